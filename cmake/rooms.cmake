@@ -1,0 +1,33 @@
+# A room is one top-level folder and one library of the same name. Its headers are reachable only as
+# <foreview/ROOM/header.h> and only by targets that link to it: every room has an include directory of its own in the
+# build tree, holding one symbolic link to the room. A wrong include therefore does not compile.
+
+add_library(foreview_warnings INTERFACE)
+target_compile_options(foreview_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(FOREVIEW_WERROR)
+  target_compile_options(foreview_warnings INTERFACE -Werror)
+endif()
+if(FOREVIEW_SANITIZE)
+  add_compile_options(-fsanitize=${FOREVIEW_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${FOREVIEW_SANITIZE})
+  if(NOT FOREVIEW_SANITIZE MATCHES "thread" AND NOT FOREVIEW_SANITIZE MATCHES "fuzzer")
+    add_compile_options(-fno-sanitize-recover=all)
+  endif()
+endif()
+
+# foreview_add_room(NAME SOURCES file... LINKS target... [PRIVATE_LINKS target...])
+function(foreview_add_room NAME)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  set(include_root ${PROJECT_BINARY_DIR}/rooms/${NAME})
+  file(MAKE_DIRECTORY ${include_root}/foreview)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_root}/foreview/${NAME} SYMBOLIC)
+  add_library(foreview_${NAME} STATIC ${ROOM_SOURCES})
+  add_library(foreview::${NAME} ALIAS foreview_${NAME})
+  set_target_properties(foreview_${NAME} PROPERTIES EXPORT_NAME ${NAME} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(foreview_${NAME} PUBLIC cxx_std_20)
+  target_include_directories(foreview_${NAME} PUBLIC $<BUILD_INTERFACE:${include_root}>
+                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(foreview_${NAME} PUBLIC ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS}
+                                         PRIVATE $<BUILD_INTERFACE:foreview_warnings>)
+  set_property(GLOBAL APPEND PROPERTY FOREVIEW_ROOMS ${NAME})
+endfunction()

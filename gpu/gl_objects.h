@@ -1,0 +1,105 @@
+#pragma once
+#include <epoxy/gl.h>
+
+#include <utility>
+
+namespace foreview {
+
+/// Owns one GL object name. Movable, not copyable; destroyed with a context of its share group current.
+template <void (*Create)(GLuint*), void (*Delete)(GLuint)>
+class GlObject {
+ public:
+  GlObject() = default;
+  explicit GlObject(GLuint id) : id_(id) {}
+  ~GlObject() { reset(); }
+  GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+  GlObject& operator=(GlObject&& other) noexcept {
+    if (this != &other) {
+      reset();
+      id_ = std::exchange(other.id_, 0);
+    }
+    return *this;
+  }
+  GlObject(const GlObject&) = delete;
+  GlObject& operator=(const GlObject&) = delete;
+  [[nodiscard]] GLuint id() const { return id_; }
+  void reset() {
+    if (id_ != 0) Delete(id_);
+    id_ = 0;
+  }
+  [[nodiscard]] static GlObject create() {
+    GLuint id = 0;
+    Create(&id);
+    return GlObject(id);
+  }
+
+ private:
+  GLuint id_ = 0;
+};
+
+namespace gl_detail {
+inline void create_buffer(GLuint* id) {
+  glCreateBuffers(1, id);
+}
+inline void delete_buffer(GLuint id) {
+  glDeleteBuffers(1, &id);
+}
+inline void create_framebuffer(GLuint* id) {
+  glCreateFramebuffers(1, id);
+}
+inline void delete_framebuffer(GLuint id) {
+  glDeleteFramebuffers(1, &id);
+}
+inline void create_vertex_array(GLuint* id) {
+  glCreateVertexArrays(1, id);
+}
+inline void delete_vertex_array(GLuint id) {
+  glDeleteVertexArrays(1, &id);
+}
+inline void no_create(GLuint* id) {
+  *id = 0;
+}
+inline void delete_texture(GLuint id) {
+  glDeleteTextures(1, &id);
+}
+inline void delete_program(GLuint id) {
+  glDeleteProgram(id);
+}
+inline void create_query(GLuint* id) {
+  glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, id);
+}
+inline void delete_query(GLuint id) {
+  glDeleteQueries(1, &id);
+}
+inline void create_sampler(GLuint* id) {
+  glCreateSamplers(1, id);
+}
+inline void delete_sampler(GLuint id) {
+  glDeleteSamplers(1, &id);
+}
+}  // namespace gl_detail
+
+using GlBuffer = GlObject<gl_detail::create_buffer, gl_detail::delete_buffer>;
+using GlFramebuffer = GlObject<gl_detail::create_framebuffer, gl_detail::delete_framebuffer>;
+using GlVertexArray = GlObject<gl_detail::create_vertex_array, gl_detail::delete_vertex_array>;
+using GlSampler = GlObject<gl_detail::create_sampler, gl_detail::delete_sampler>;
+using GlOcclusionQuery = GlObject<gl_detail::create_query, gl_detail::delete_query>;
+using GlTexture = GlObject<gl_detail::no_create, gl_detail::delete_texture>;
+using GlProgram = GlObject<gl_detail::no_create, gl_detail::delete_program>;
+
+/// A texture with immutable storage. `layers` > 1 or `array` makes a GL_TEXTURE_2D_ARRAY. Filtering nearest, clamped.
+[[nodiscard]] GlTexture make_texture_2d(GLenum internal_format, int width, int height, int levels = 1);
+[[nodiscard]] GlTexture make_texture_2d_array(GLenum internal_format, int width, int height, int layers,
+                                              int levels = 1);
+/// One colour attachment (level `level` of `texture`), draw buffer 0; GraphicsError if incomplete.
+[[nodiscard]] GlFramebuffer make_framebuffer(GLuint color_texture, GLuint depth_texture = 0, int level = 0);
+
+/// Compiles shaders embedded from gpu/shaders (or read from `--shader-dir`, see shader_source()). Names are file names,
+/// "fullscreen.vert.glsl". `#include "name"` is resolved. GraphicsError with the compiler's log and the numbered
+/// source.
+[[nodiscard]] GlProgram make_program(const char* vertex_file, const char* fragment_file, const char* defines = "");
+[[nodiscard]] GlProgram make_compute_program(const char* compute_file, const char* defines = "");
+/// Reads shaders from this directory from now on, for live editing; empty: the embedded ones.
+void set_shader_directory(const char* directory);
+
+}  // namespace foreview

@@ -1,0 +1,86 @@
+#pragma once
+#include <memory>
+
+#include "foreview/gpu/extraction.h"
+#include "foreview/gpu/texture_store.h"
+
+namespace foreview {
+
+/// The method of 2005, step by step and polygon by polygon (spec 3-9): the reproduction of the paper, the reference of
+/// the tests and the baseline of the benchmark. Works in textures of its own (one of w x h per polygon, created once)
+/// and copies each finished one into the polygon's chart.
+///
+/// The rules, which the CPU oracle (tests/oracle) follows independently:
+///
+/// 0. *Undistort* (once a picture): the undistorted camera has the same size, focal length and principal point. Each of
+///    its pixels takes the bilinear sample of the lens's picture at the distorted position; where one of the four taps
+///    lies outside the lens's picture, the pixel is unusable: its alpha is 31/32 for every polygon.
+/// 1. *Depth and owner* (once a picture): all polygons, front and back faces, every part at its pose in M_t, at pixel
+///    centres: D = 1/z and the owner's index. Back faces occlude and take no texture; so does the backdrop.
+/// 2. *Perspective texture*: the polygon is clipped at z = near_plane before the divide and projected. Its bounding
+///    box, grown by 3 pixels and cut to the picture, is what steps 3-5 work on. Skipped: back faces, boxes outside the
+///    picture, polygons whose clipped projection has less than 0.05 square pixels.
+/// 3. *Occlusion* (alpha of a pixel of the box, judged at its centre):
+///    - inside the projection: 0 where D exceeds the polygon's own 1/z by more than a relative 1e-4, else 1;
+///    - outside, but within kBand = 2.5 pixels (Euclidean) of its outline (spec 8's lines of 5 pixels; edges made by
+///      clipping at the near plane count as outline too): let f be the nearest point of the outline and e the
+///      polygon's 1/z at f. 1 where the owner is a neighbour sharing an edge; else 0 where D > e (1 + 0.02), 1 where
+///      D >= e (1 - 0.02), 31/32 where the pixel lies behind (beyond the polygon's own silhouette: another surface's
+///      colour, but no occluder);
+///    - elsewhere 31/32. Pixels beyond the box count as 31/32.
+/// 4. *Artefact suppression* on alpha (spec 5), skipped where the box before growing is narrower than
+///    `small_texture` pixels. A texel that survives keeps its own alpha.
+///    - diamond: one pass kills a texel where the sum of its four edge neighbours' alphas is <= alpha_c.
+///    - alternating: one pass = reduce to (ceil(w/2), ceil(h/2)), the mean of 2x2 texels (beyond the box: 31/32), <=
+///    3/4
+///      becomes 0; enlarge bilinearly to (w, h) (weights 9/16, 3/16, 3/16, 1/16; coordinates clamped), kill where
+///      the result is <= 15/16.
+///    - progressive: n reductions, then n enlargements in which <= 15/16 becomes 0; kill where the last is 0.
+/// 5. *Normalise and scale* (spec 6): w = min(r_max, next power of two >= d * extent), per axis, of the
+/// polygon_frame()'s
+///    box, which fills the texture. The texel (i, j) is cut into n x n cells, n = ceil of the longer of the texel's two
+///    steps in pixels at its centre, 1..4; each cell's centre is projected into the picture and takes the bilinear
+///    sample of four pixels. Valid if for every cell z > near_plane, all four pixels are in the picture and have
+///    alpha > 31/32. Colour: the mean of the cells.
+/// 6. *Fuse* (spec 7): new where valid, else what was there; reversed for a picture older than the polygon's newest.
+/// 7. *Fill* (spec 9), on a copy: pyramid (pull means of valid children, push bilinearly with clamped coordinates,
+/// valid
+///    texels of the finer level overwrite), or iterative (an invalid texel with a valid one among its 8 neighbours
+///    becomes the mean of the valid ones in its 5x5 window; repeat). Validity is kept from before. `none`: mid grey.
+/// 8. *Copy to the chart*: each texel of the chart's block takes the bilinear sample (clamped) of the filled texture at
+///    its own point of the plane, and alpha 1 or 0 from the texel that contains the point (clamped). Then the chart's
+///    levels are rebuilt, and the polygon's mean colour (the pyramid's top) goes to its PolygonState.
+class PerPolygonExtraction final : public ExtractionPipeline {
+ public:
+  static constexpr double kBand = 2.5;  ///< pixels
+
+  /// `density` (texels/m) and `max_texels` of spec 6 come from `chart_options`, the ones the store was laid out with.
+  /// The store must outlive the pipeline.
+  PerPolygonExtraction(TextureStore& store, const ChartOptions& chart_options, const ExtractionOptions& options);
+  ~PerPolygonExtraction() override;
+  ExtractionStatistics extract(const CameraFrame& frame) override;
+  void clear() override;
+  void adopt_store() override;
+  /// Finish + wall clock after every step, filled into the statistics; slows the pipeline down.
+  void set_timing(bool on);
+  void set_counting(bool on);  ///< fill texels_observed
+
+  /// For tests: the state after the steps of the last picture that touched `polygon`.
+  struct Intermediate {
+    cv::Mat box_alpha_before;  ///< CV_32F, step 3, of the box
+    cv::Mat box_alpha_after;   ///< CV_32F, step 4
+    int box_x = 0, box_y = 0;  ///< upper left pixel of the box
+    cv::Mat fused;             ///< CV_8UC4 BGRA, step 6: alpha 255 valid
+    cv::Mat filled;            ///< CV_8UC4 BGRA, step 7
+  };
+  /// Runs the picture again for this polygon alone, without changing the store or the textures.
+  [[nodiscard]] Intermediate inspect(const CameraFrame& frame, std::uint32_t polygon);
+  /// The undistorted picture of step 0 (CV_8UC4 BGRA, alpha 255 usable).
+  [[nodiscard]] cv::Mat undistorted(const CameraFrame& frame);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace foreview

@@ -1,0 +1,73 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "foreview/gpu/gl_objects.h"
+#include "foreview/scene/chart_layout.h"
+#include "foreview/scene/polygon_model.h"
+
+namespace foreview {
+
+/// The charts of a model in atlas pages on the GPU (design 4). One immutable RGBA8 2D array texture, one layer a page,
+/// kChartLevels mip levels. Level 0: colour and provenance (alpha 1 observed, 0 filled or nothing); levels above: the
+/// mean of the *filled* level 0's colours, and in alpha the mean of level 0's alpha.
+/// Beside it, one state per polygon in a buffer: mean colour and whether a picture has ever shown it.
+class TextureStore {
+ public:
+  /// Needs a current context. Allocates once; nothing is created or deleted until destruction. `model` and `layout`
+  /// are copied as far as needed. Throws InputError if the driver's limits do not allow the layout.
+  TextureStore(const PolygonModel& model, ChartLayout layout);
+  ~TextureStore();
+  TextureStore(const TextureStore&) = delete;
+  TextureStore& operator=(const TextureStore&) = delete;
+
+  [[nodiscard]] const ChartLayout& layout() const { return layout_; }
+  [[nodiscard]] const PolygonModel& model() const { return model_; }
+  /// GL_TEXTURE_2D_ARRAY, RGBA8, kChartLevels levels, page_size x page_size x pages.
+  [[nodiscard]] GLuint pages() const { return pages_.id(); }
+  /// GL_SHADER_STORAGE_BUFFER of one PolygonState per polygon (std430).
+  struct PolygonState {
+    float red = 0, green = 0, blue = 0;  ///< mean colour of what was observed, 0..1; or the neighbours', if never seen
+    float seen = 0;                      ///< 1 once any texel was observed, else 0; 0.5: colour spread from neighbours
+  };
+  [[nodiscard]] GLuint polygon_states() const { return polygon_states_.id(); }
+
+  /// Rebuilds levels 1.. of the given polygons' charts from level 0, one chart after the other (never across charts).
+  void update_levels(const std::vector<std::uint32_t>& polygons);
+  /// Gives polygons that no picture has shown their neighbours' colours, through the mesh's adjacency: from the rim of
+  /// what was seen inwards, until nothing changes; polygons not connected to any seen one take the mean of all seen.
+  /// Reads polygon_states (seen == 1 as sources) and writes the others. Without any seen polygon: mid grey.
+  void spread_to_never_seen();
+  void clear();
+
+  /// Whole pages as RGBA8 (CV_8UC4, BGRA order), level 0.
+  [[nodiscard]] std::vector<cv::Mat> read_pages() const;
+  [[nodiscard]] std::vector<PolygonState> read_polygon_states() const;
+  void write_pages(const std::vector<cv::Mat>& pages, const std::vector<PolygonState>& states);
+  /// Texels of level 0 with alpha 1, by read-back: for statistics and tests.
+  [[nodiscard]] std::size_t count_observed_texels() const;
+
+ private:
+  PolygonModel model_;
+  ChartLayout layout_;
+  GlTexture pages_;
+  GlBuffer polygon_states_;
+  struct Programs;
+  Programs* programs_;
+};
+
+/// Keeps what has been seen between runs: a directory with page-000.png ... (lossless, alpha = provenance) and
+/// textures.yaml (format version, model fingerprint, layout figures, polygon states). Written beside and renamed.
+void save_textures(const TextureStore& store, const std::filesystem::path& directory);
+/// Throws InputError naming file and expectation where the files are damaged or belong to another model or layout.
+void load_textures(TextureStore& store, const std::filesystem::path& directory);
+
+/// The textured model as binary glTF 2.0, for any viewer: one mesh per part, one PNG texture per atlas page (embedded),
+/// unlit material, colours of never-seen polygons from polygon_states, nodes posed by world_from_part, y up. The
+/// backdrop is left out unless asked for.
+void export_glb(const TextureStore& store, const std::vector<Pose>& world_from_part, const std::filesystem::path& file,
+                bool with_backdrop = false);
+
+}  // namespace foreview

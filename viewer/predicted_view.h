@@ -1,0 +1,53 @@
+#pragma once
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+#include "foreview/gpu/texture_store.h"
+#include "foreview/scene/camera_frame.h"
+
+namespace foreview {
+
+/// Draws the textured model as the operator sees it: PredictedState in, picture out. Knows textures only through the
+/// store, not how they are made.
+class PredictedView {
+ public:
+  struct Style {
+    bool holes_pink = false;   ///< filled texels and never-seen polygons in pink (the dissertation's figures)
+    bool wireframe = false;    ///< polygon edges over the view
+    bool textures = true;      ///< false: only the wireframe, over what is in the framebuffer
+    double near_plane = 0.02;  ///< metres
+  };
+  /// Needs a current context, as do all members. The store must outlive the view.
+  explicit PredictedView(const TextureStore& store);
+  ~PredictedView();
+  PredictedView(const PredictedView&) = delete;
+  PredictedView& operator=(const PredictedView&) = delete;
+
+  /// Draws into the viewport (x, y, width, height; pixels) of `framebuffer`. `camera` is scaled to the viewport's
+  /// height, aspect kept, centred. Memory row 0 is the picture's top (see CameraModel::clip_from_camera); `flip` turns
+  /// it over for a window's framebuffer, whose row 0 is at the bottom.
+  struct Viewport {
+    int x = 0, y = 0, width = 0, height = 0;
+  };
+  void draw(const CameraModel& camera, const PredictedState& state, const Style& style, GLuint framebuffer,
+            const Viewport& viewport, bool flip);
+
+  /// The view as a picture of the camera's size (CV_8UC3 BGR), anti-aliased (4 samples a pixel).
+  [[nodiscard]] cv::Mat render(const CameraModel& camera, const PredictedState& state, const Style& style = {});
+
+  /// What lies at each pixel's centre: for measuring. Polygon -1 where nothing is.
+  struct Surface {
+    cv::Mat polygon;     ///< CV_32S: index of the polygon, or -1
+    cv::Mat inverse_z;   ///< CV_32F: 1 / z in metres, 0 where nothing
+    cv::Mat provenance;  ///< CV_8U: 2 observed, 1 filled, 0 never seen or nothing (level 0 of the chart decides)
+  };
+  [[nodiscard]] Surface render_surface(const CameraModel& camera, const PredictedState& state);
+  /// The same from a capture state, e.g. to find occluders' contours in a used picture (provenance not meaningful).
+  [[nodiscard]] Surface render_surface(const CameraModel& camera, const CaptureState& state);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace foreview
