@@ -1,0 +1,1 @@
+// Only its include directories are of interest.
