@@ -1,16 +1,27 @@
 #pragma once
 #include <epoxy/gl.h>
 
+#include <atomic>
 #include <utility>
 
 namespace foreview {
+
+namespace gl_detail {
+inline std::atomic<long> live_objects{0};
+}  // namespace gl_detail
+/// GL objects that GlObjects of this process own at the moment: tests compare it to find leaks.
+[[nodiscard]] inline long live_gl_objects() {
+  return gl_detail::live_objects.load();
+}
 
 /// Owns one GL object name. Movable, not copyable; destroyed with a context of its share group current.
 template <void (*Create)(GLuint*), void (*Delete)(GLuint)>
 class GlObject {
  public:
   GlObject() = default;
-  explicit GlObject(GLuint id) : id_(id) {}
+  explicit GlObject(GLuint id) : id_(id) {
+    if (id_ != 0) ++gl_detail::live_objects;
+  }
   ~GlObject() { reset(); }
   GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
   GlObject& operator=(GlObject&& other) noexcept {
@@ -24,8 +35,10 @@ class GlObject {
   GlObject& operator=(const GlObject&) = delete;
   [[nodiscard]] GLuint id() const { return id_; }
   void reset() {
-    if (id_ != 0) Delete(id_);
+    if (id_ == 0) return;
+    Delete(id_);
     id_ = 0;
+    --gl_detail::live_objects;
   }
   [[nodiscard]] static GlObject create() {
     GLuint id = 0;
@@ -87,19 +100,22 @@ using GlOcclusionQuery = GlObject<gl_detail::create_query, gl_detail::delete_que
 using GlTexture = GlObject<gl_detail::no_create, gl_detail::delete_texture>;
 using GlProgram = GlObject<gl_detail::no_create, gl_detail::delete_program>;
 
-/// A texture with immutable storage. `layers` > 1 or `array` makes a GL_TEXTURE_2D_ARRAY. Filtering nearest, clamped.
+/// Textures with immutable storage. Filtering nearest, clamped to the edge.
 [[nodiscard]] GlTexture make_texture_2d(GLenum internal_format, int width, int height, int levels = 1);
 [[nodiscard]] GlTexture make_texture_2d_array(GLenum internal_format, int width, int height, int layers,
                                               int levels = 1);
-/// One colour attachment (level `level` of `texture`), draw buffer 0; GraphicsError if incomplete.
+/// One colour attachment (level `level` of `color_texture`), draw buffer 0, and depth; either may be 0, for none. Of an
+/// array texture all layers are attached (gl_Layer selects). GraphicsError if incomplete.
 [[nodiscard]] GlFramebuffer make_framebuffer(GLuint color_texture, GLuint depth_texture = 0, int level = 0);
+/// One layer of an array texture as the only attachment.
+[[nodiscard]] GlFramebuffer make_layer_framebuffer(GLuint color_texture, int layer, int level = 0);
 
-/// Compiles shaders embedded from gpu/shaders (or read from `--shader-dir`, see shader_source()). Names are file names,
+/// Compiles shaders of gpu/shaders, see load_shader() in shader_source.h. Names are file names,
 /// "fullscreen.vert.glsl". `#include "name"` is resolved. GraphicsError with the compiler's log and the numbered
 /// source.
 [[nodiscard]] GlProgram make_program(const char* vertex_file, const char* fragment_file, const char* defines = "");
 [[nodiscard]] GlProgram make_compute_program(const char* compute_file, const char* defines = "");
-/// Reads shaders from this directory from now on, for live editing; empty: the embedded ones.
+/// Reads shaders from this directory from now on, for live editing (`--shader-dir`); empty: the embedded ones.
 void set_shader_directory(const char* directory);
 
 }  // namespace foreview
