@@ -20,18 +20,21 @@ namespace foreview {
 ///    z = near_plane, at pixel centres: D = 1/z (0: nothing there) and the owner's index. Back faces occlude and take
 ///    no texture. The backdrop is a polygon like any other: it takes textures, and occludes what lies beyond it.
 /// 2. *Perspective texture*: the polygon is clipped at z = near_plane before the divide and projected. Its bounding box
-///    in whole pixels, floor of the least to ceil of the greatest coordinate, cut to the picture, decides about
-///    "outside" (no pixel left) and about small_texture. Grown by 3 pixels and again cut to the picture it is what
+///    in whole pixels, floor of the least to ceil of the greatest coordinate (after moving both inwards by 1e-6 pixels,
+///    so that rounding adds no row), cut to the picture, decides about "outside" (no pixel left) and about
+///    small_texture. Grown by 3 pixels and again cut to the picture it is what
 ///    steps 3-5 work on. Skipped, in this order: back faces (the camera not in front of the plane), boxes outside the
 ///    picture (or all behind near_plane), polygons whose clipped projection (not cut to the picture) has less than 0.05
 ///    square pixels.
 /// 3. *Occlusion* (alpha of a pixel of the box, judged at its centre):
-///    - inside the projection: 0 where D exceeds the polygon's own 1/z by more than a relative 1e-4, else 1;
+///    - inside the projection: 0 where D exceeds the polygon's own 1/z by more than a relative 1e-4, else 1. But always
+///      1 where the polygon is the owner, or a neighbour sharing an edge is and the pixel's centre lies within 1/64
+///      pixel of the outline: a rasteriser rounds corners to 1/256 pixel, and a slanted polygon's depth with them;
 ///    - outside, but within kBand = 2.5 pixels (Euclidean) of its outline (spec 8's lines of 5 pixels; edges made by
 ///      clipping at the near plane count as outline too, those of the picture do not): let f be the nearest point of
-///      the outline and e the polygon's 1/z at f. 1 where the owner is a neighbour sharing an edge; else 0 where D
-///      > 1.02 e, 1 where D >= 0.98 e, 31/32 where the pixel lies behind (beyond the polygon's own silhouette: another
-///      surface's colour, but no occluder);
+///      the outline and e the polygon's 1/z at f. 1 where the owner is a neighbour sharing an edge or the polygon
+///      itself; else 0 where D > 1.02 e, 1 where D >= 0.98 e, 31/32 where the pixel lies behind (beyond the polygon's
+///      own silhouette: another surface's colour, but no occluder);
 ///    - elsewhere 31/32. Pixels beyond the box count as 31/32.
 /// 4. *Artefact suppression* on alpha (spec 5), skipped where the shorter side of the box before growing is less than
 ///    `small_texture` pixels. Passes are simultaneous (they read only the pass before). A texel that survives keeps its
@@ -46,16 +49,16 @@ namespace foreview {
 /// 5. *Normalise and scale* (spec 6): w = min(r_max, next power of two >= d * extent (1 - 1e-6)), per axis, of the
 ///    polygon_frame()'s box, which fills the texture (the tolerance keeps rounding from doubling a size). The texel
 ///    (i, j) is cut into n x n cells, n = ceil of the longer of the texel's two steps in pixels (the projection's
-///    derivative at the texel's centre, times the texel's side), 1..4; each cell's centre is projected into the picture
-///    and takes the bilinear sample of four pixels. Valid if for every cell z > near_plane, all four pixels are in the
-///    picture and have alpha > 31/32. Colour: the mean of the cells.
+///    derivative at the texel's centre, times the texel's side), less 1/1000 so that rounding does not decide, 1..4;
+///    each cell's centre is projected into the picture and takes the bilinear sample of four pixels. Valid if for every
+///    cell z > near_plane, all four pixels are in the picture and have alpha > 31/32. Colour: the mean of the cells.
 /// 6. *Fuse* (spec 7): new where valid, else what was there; reversed for a picture older than the newest one that this
 ///    polygon's texture was made from.
 /// 7. *Fill* (spec 9), on a copy: pyramid (pull means of valid children, push bilinearly with clamped coordinates,
-///    valid texels of the finer level overwrite), or iterative (an invalid texel with a valid one among its 8
-///    neighbours becomes the mean of the valid ones in its 5x5 window, as far as that lies in the texture; repeat,
-///    texels just filled counting as valid). Validity is kept from before. `none`, or no valid texel at all: mid grey
-///    (128) where invalid.
+///    valid texels of the finer level overwrite; where max_texels is no power of two, an odd size halves upwards and
+///    what lies beyond is not valid), or iterative (an invalid texel with a valid one among its 8 neighbours becomes
+///    the mean of the valid ones in its 5x5 window, as far as that lies in the texture; repeat, texels just filled
+///    counting as valid). Validity is kept from before. `none`, or no valid texel at all: mid grey (128) where invalid.
 /// 8. *Copy to the chart*: each texel of the chart's block takes the bilinear sample (clamped) of the filled texture at
 ///    its own point of the plane, and alpha 1 or 0 from the texel that contains the point (clamped). Then the chart's
 ///    levels are rebuilt, and the polygon's mean colour (the pyramid's top) goes to its PolygonState.
