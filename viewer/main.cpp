@@ -6,6 +6,7 @@
 #include <exception>
 #include <string>
 
+#include "foreview/gpu/gl_objects.h"
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/interrupt.h"
@@ -23,11 +24,13 @@ int fail(ExitStatus status, const std::string& message) {
 struct GlobalOptions {
   bool quiet = false;
   bool verbose = false;
+  std::string shader_directory;
 };
 
 void apply(const GlobalOptions& options) {
   foreview::ProgressBar::set_quiet(options.quiet);
   spdlog::set_level(options.quiet ? spdlog::level::err : options.verbose ? spdlog::level::debug : spdlog::level::info);
+  if (!options.shader_directory.empty()) foreview::set_shader_directory(options.shader_directory.c_str());
 }
 
 /// The subcommand that the user was typing, for the hint after a mistake.
@@ -43,6 +46,9 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   auto* quiet = app.add_flag("--quiet", options.quiet, "No progress bars; only errors are logged");
   app.add_flag("--verbose", options.verbose, "Log more")->excludes(quiet);
+  app.add_option("--shader-dir", options.shader_directory,
+                 "Read shaders from this directory instead of the built-in ones")
+      ->type_name("DIR");
   app.set_version_flag("--version", std::string("foreview ") + FOREVIEW_VERSION);
   app.footer("Every subcommand has its own help: foreview replay --help\nExample: foreview replay workcell");
   app.parse_complete_callback([&] { apply(options); });

@@ -7,16 +7,24 @@
 
 namespace foreview {
 
+/// How PredictedView draws.
+struct ViewStyle {
+  bool holes_pink = false;   ///< filled texels and never-seen polygons in pink (the dissertation's figures)
+  bool wireframe = false;    ///< polygon edges over the view, hidden ones left out, without the backdrop's
+  bool textures = true;      ///< false: only the wireframe, over what is in the framebuffer
+  double near_plane = 0.02;  ///< metres
+};
+
 /// Draws the textured model as the operator sees it: PredictedState in, picture out. Knows textures only through the
 /// store, not how they are made.
+///
+/// A polygon's front wears its chart (trilinear between levels, up to 8 taps along a footprint's longer axis, no tap
+/// ever outside the chart; magnified: bilinear). A polygon that no picture has shown has its state's colour. Nothing is
+/// culled: a back face is drawn in its polygon's mean colour, halfway to grey. No picture can ever texture it, but to
+/// leave it out would open walls where the model's winding is wrong, or show free space where something solid stands.
 class PredictedView {
  public:
-  struct Style {
-    bool holes_pink = false;   ///< filled texels and never-seen polygons in pink (the dissertation's figures)
-    bool wireframe = false;    ///< polygon edges over the view
-    bool textures = true;      ///< false: only the wireframe, over what is in the framebuffer
-    double near_plane = 0.02;  ///< metres
-  };
+  using Style = ViewStyle;
   /// Needs a current context, as do all members. The store must outlive the view.
   explicit PredictedView(const TextureStore& store);
   ~PredictedView();
@@ -31,6 +39,11 @@ class PredictedView {
   };
   void draw(const CameraModel& camera, const PredictedState& state, const Style& style, GLuint framebuffer,
             const Viewport& viewport, bool flip);
+
+  /// Every lab's first check of its registration: the model's edges as the camera saw it when a picture was taken, over
+  /// that picture, which is in the framebuffer already. Clears depth. Otherwise as draw().
+  void draw_edges(const CameraModel& camera, const CaptureState& state, GLuint framebuffer, const Viewport& viewport,
+                  bool flip, double near_plane = Style().near_plane);
 
   /// The view as a picture of the camera's size (CV_8UC3 BGR), anti-aliased (4 samples a pixel).
   [[nodiscard]] cv::Mat render(const CameraModel& camera, const PredictedState& state, const Style& style = {});

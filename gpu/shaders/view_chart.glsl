@@ -1,0 +1,65 @@
+// Reading a chart of the atlas (design 4) so that no tap ever leaves it: every bilinear tap is clamped, per level, to
+// the polygon's box grown by the gutter and half a texel of its level inside the chart's block.
+
+struct Chart {
+  vec2 origin;  // texels, of the block in the page
+  vec2 size;    // texels, of the block
+  vec2 valid;   // texels: the polygon's box grown by the gutter, from the origin
+  float page;
+  float padding;
+};
+layout(std430, binding = 1) readonly buffer Charts { Chart charts[]; };
+layout(binding = 0) uniform sampler2DArray pages;  // bilinear within a level, nearest level
+
+const float kCoarsestLevel = 4.0;  // kChartLevels - 1
+const float kMostTaps = 8.0;
+
+// Unlike min and max, defined for NaN (a pixel centre outside its polygon and beyond the horizon): the lower bound.
+vec2 clamp_nan_safe(vec2 t, vec2 lower, vec2 upper) {
+  return vec2(t.x >= lower.x ? min(t.x, upper.x) : lower.x, t.y >= lower.y ? min(t.y, upper.y) : lower.y);
+}
+
+vec3 chart_tap(Chart chart, vec2 t, float level) {
+  float half_texel = 0.5 * exp2(level);
+  t = clamp_nan_safe(t, vec2(0.5), chart.valid - 0.5);
+  t = max(min(t, chart.size - half_texel), vec2(half_texel));
+  return textureLod(pages, vec3((chart.origin + t) / vec2(textureSize(pages, 0).xy), chart.page), level).rgb;
+}
+
+// Mean colour of the pixel's footprint, the parallelogram of the two derivatives: trilinear taps along the longer axis
+// of its ellipse, each as wide as the shorter one, so that surfaces seen at grazing angles stay sharp across.
+vec3 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
+  Chart chart = charts[polygon];
+  texel_per_x = clamp_nan_safe(texel_per_x, vec2(-1e6), vec2(1e6));
+  texel_per_y = clamp_nan_safe(texel_per_y, vec2(-1e6), vec2(1e6));
+  float xx = texel_per_x.x * texel_per_x.x + texel_per_y.x * texel_per_y.x;
+  float yy = texel_per_x.y * texel_per_x.y + texel_per_y.y * texel_per_y.y;
+  float xy = texel_per_x.x * texel_per_x.y + texel_per_y.x * texel_per_y.y;
+  float mean = 0.5 * (xx + yy);
+  float deviation = sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+  float longer = sqrt(mean + deviation);
+  float shorter = max(sqrt(max(mean - deviation, 0.0)), 1.0);
+  vec2 axis = xx > yy ? vec2(mean + deviation - yy, xy) : vec2(xy, mean + deviation - xx);
+  float axis_length = length(axis);
+  axis = axis_length > 0.0 ? axis * (longer / axis_length) : vec2(0.0);
+
+  float taps = clamp(ceil(longer / shorter - 0.25), 1.0, kMostTaps);
+  float level = clamp(log2(max(longer / taps, shorter)), 0.0, kCoarsestLevel);
+  float fine = floor(level);
+  float coarse_weight = level - fine;
+  vec3 sum = vec3(0.0);
+  for (float i = 0.5; i < taps; i += 1.0) {
+    vec2 at = t + axis * (i / taps - 0.5);
+    vec3 colour = chart_tap(chart, at, fine);
+    if (coarse_weight > 0.0) colour = mix(colour, chart_tap(chart, at, fine + 1.0), coarse_weight);
+    sum += colour;
+  }
+  return sum / taps;
+}
+
+// Whether a picture has shown the texel that the point lies in (level 0: coarser alphas mean "anything below").
+bool chart_is_observed(uint polygon, vec2 t) {
+  Chart chart = charts[polygon];
+  t = clamp_nan_safe(t, vec2(0.5), chart.valid - 0.5);
+  return texelFetch(pages, ivec3(ivec2(chart.origin + t), int(chart.page)), 0).a >= 0.5;
+}

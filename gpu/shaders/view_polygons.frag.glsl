@@ -1,0 +1,49 @@
+#version 450 core
+// Colour of a polygon at a pixel (default), or with SURFACE what lies there. See viewer/predicted_view.h.
+
+#include "view_chart.glsl"
+
+layout(std430, binding = 2) readonly buffer PolygonStates { vec4 polygon_states[]; };  // mean colour, seen
+
+uniform bool holes_pink;
+
+in vec2 chart_texel;
+flat in uint polygon_index;
+
+#ifdef SURFACE
+layout(location = 0) out int surface_polygon;
+layout(location = 1) out float surface_inverse_z;
+layout(location = 2) out uint surface_provenance;  // 2 observed, 1 filled, 0 never seen
+#else
+layout(location = 0) out vec4 colour;
+#endif
+
+const vec3 kPink = vec3(1.0, 0.41, 0.71);
+
+// A back face can never get a texture: the model has no surface there. It keeps the polygon's mean colour, halfway to
+// grey, so that it neither shows what is behind (a hole where something solid is) nor passes for a true surface.
+vec3 back_face_colour(vec3 mean_colour) {
+  return mix(vec3(dot(mean_colour, vec3(0.299, 0.587, 0.114))), mean_colour, 0.5);
+}
+
+void main() {
+  vec4 state = polygon_states[polygon_index];
+  bool textured = gl_FrontFacing && state.a >= 1.0;
+  vec2 texel_per_x = dFdx(chart_texel);
+  vec2 texel_per_y = dFdy(chart_texel);
+#ifdef SURFACE
+  surface_polygon = int(polygon_index);
+  surface_inverse_z = gl_FragCoord.w;
+  surface_provenance = !textured ? 0u : chart_is_observed(polygon_index, chart_texel) ? 2u : 1u;
+#else
+  vec3 rgb;
+  if (holes_pink && !(textured && chart_is_observed(polygon_index, chart_texel))) {
+    rgb = kPink;
+  } else if (textured) {
+    rgb = chart_colour(polygon_index, chart_texel, texel_per_x, texel_per_y);
+  } else {
+    rgb = gl_FrontFacing ? state.rgb : back_face_colour(state.rgb);
+  }
+  colour = vec4(rgb, 1.0);
+#endif
+}

@@ -1,0 +1,18 @@
+#version 450 core
+// The textured model as the operator sees it: see viewer/predicted_view.h.
+
+layout(location = 0) in vec3 position;  // metres, part frame, from the part's centre
+layout(location = 1) in vec2 texel;     // from the chart's origin
+layout(location = 2) in uint polygon;
+layout(location = 3) in uint part;
+
+layout(std430, binding = 0) readonly buffer Parts { mat4 clip_from_part[]; };
+
+out vec2 chart_texel;
+flat out uint polygon_index;
+
+void main() {
+  gl_Position = clip_from_part[part] * vec4(position, 1.0);
+  chart_texel = texel;
+  polygon_index = polygon;
+}
