@@ -2,10 +2,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "foreview/scene/camera_frame.h"
@@ -38,11 +41,11 @@ struct RecordingDamage {
   std::size_t lines_malformed = 0;        ///< rgb.txt, trajectories, joints.csv: dropped lines
   std::size_t stamps_out_of_order = 0;    ///< kept, sorted in
   std::size_t stamps_duplicated = 0;      ///< dropped, the first stays
-  std::size_t poses_not_finite = 0;       ///< dropped
+  std::size_t poses_not_finite = 0;       ///< dropped: NaN, infinite, or further than 1e9 m from the origin
   std::size_t poses_not_unit = 0;         ///< quaternion off unit length by more than 1e-2: dropped; less: normalised
   std::size_t pictures_missing = 0;       ///< listed, but no such file: dropped
-  std::size_t pictures_without_pose = 0;  ///< outside their trajectory's time: dropped
-  std::size_t pictures_unreadable = 0;    ///< found when read: cut off, not a picture, wrong size
+  std::size_t pictures_without_pose = 0;  ///< outside their camera's or a part's recorded time: dropped
+  std::size_t pictures_unreadable = 0;    ///< found when read (each counted once): cut off, no picture, wrong size
   [[nodiscard]] std::size_t total() const;
 };
 
@@ -55,7 +58,8 @@ class Recording {
   struct PictureEntry {
     Timestamp stamp;             ///< middle of exposure
     std::filesystem::path file;  ///< absolute or relative to the working directory
-    std::string stem;            ///< file name without directory and extension; names the pictures we save
+    std::string stem;            ///< file name without directory and extension; names the pictures we save, so where
+                                 ///< two of a camera agree, the later one gets its index appended
   };
   struct Camera {
     std::string name;
@@ -90,7 +94,7 @@ class Recording {
                                          std::size_t camera = 0) const;
 
   /// Where the camera and the model's parts were at a time; none outside the recorded time of what moves. Parts
-  /// without a recorded trajectory stay at identity.
+  /// without a recorded trajectory stay at identity, parts with a single recorded pose stay there.
   [[nodiscard]] std::optional<CaptureState> capture_state(std::size_t camera, Timestamp stamp,
                                                           const PolygonModel& model) const;
   [[nodiscard]] std::optional<PredictedState> predicted_state(std::size_t camera, Timestamp stamp,
@@ -125,6 +129,7 @@ class Recording {
   std::map<std::string, Trajectory> parts_;
   Joints joints_;
   RecordingDamage damage_;
+  std::set<std::pair<std::size_t, std::size_t>> dropped_;  ///< camera and index of pictures found damaged when read
 };
 
 /// Reads a JPEG or PNG strictly: CV_8UC3, or InputError where the file is missing, not a picture, or cut off (OpenCV
@@ -146,14 +151,18 @@ class RecordingWriter {
     ImportOptions import_options;
     std::optional<double> density;
     std::optional<int> max_texels;
-    std::string initial_textures;  ///< relative; may be empty
-    StampMeaning stamp_meaning = StampMeaning::middle_of_exposure;
+    std::string initial_textures;                                   ///< relative; may be empty
+    StampMeaning stamp_meaning = StampMeaning::middle_of_exposure;  ///< of the stamps given to add_picture
+    Duration exposure;                                              ///< needed where stamps mean the start of exposure
   };
+  /// Creates the directory. Throws InputError where it holds a recording already, and on names that cannot be files'.
   RecordingWriter(const std::filesystem::path& directory, const Description& description);
   /// `format` "png" or "jpg" (quality 95).
   void add_picture(std::size_t camera, Timestamp stamp, const cv::Mat& bgr, const std::string& format = "jpg");
   void add_camera_pose(std::size_t camera, Timestamp stamp, const Pose& world_from_camera);
+  /// `part` becomes a file's name: InputError where it cannot be one.
   void add_part_pose(const std::string& part, Timestamp stamp, const Pose& world_from_part);
+  /// Once, before add_joints(); names without commas and line ends.
   void set_joint_names(const std::vector<std::string>& names);
   void add_joints(Timestamp stamp, const std::vector<double>& positions);
   /// Writes what is buffered. Called by the destructor too, which swallows errors.
@@ -164,7 +173,7 @@ class RecordingWriter {
 
  private:
   struct State;
-  State* state_;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace foreview

@@ -50,8 +50,10 @@ struct CameraModel {
 };
 
 /// Reads a ROS camera_info YAML: image_width, image_height, camera_name, camera_matrix.data (9), distortion_model
-/// ("plumb_bob", "rational_polynomial", "equidistant" or "fisheye"; absent: none) and distortion_coefficients.data.
-/// Throws InputError naming the file and key on anything missing, of a wrong type, not finite, or impossible.
+/// ("plumb_bob", "rational_polynomial", "equidistant" or "fisheye", "none"; absent: none, or plumb_bob where there are
+/// coefficients) and distortion_coefficients.data; other keys are ignored. OpenCV's own calibration files and the
+/// output of `rostopic echo` on a camera_info topic (width, height, K, D) are read too. Throws InputError naming the
+/// file, line and key on anything missing, of a wrong type, not finite, or impossible; sides are 1 to 16384 pixels.
 [[nodiscard]] CameraModel read_camera_yaml(const std::filesystem::path& file);
 /// Same from text; `where` names the source in errors.
 [[nodiscard]] CameraModel parse_camera_yaml(const std::string& text, const std::string& where);

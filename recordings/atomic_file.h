@@ -1,0 +1,29 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace foreview {
+
+/// Writes a file so that at any moment the old one or the whole new one is there: beside it, then renamed. Throws
+/// InputError naming the file where the disk refuses; then nothing new is left behind.
+void write_file_whole(const std::filesystem::path& file, std::span<const unsigned char> bytes);
+void write_file_whole(const std::filesystem::path& file, std::string_view text);
+
+/// A text file to which only whole lines are ever appended.
+class LineFile {
+ public:
+  /// Creates the file at the first flush, holding `header` first.
+  LineFile(std::filesystem::path file, std::string header);
+  /// Keeps a line (without its end); writes what is kept when much has come together.
+  void add(const std::string& line);
+  /// Appends the kept lines. Throws InputError naming the file where the disk refuses; then no part of them is there.
+  void flush();
+
+ private:
+  std::filesystem::path file_;
+  std::string kept_;
+};
+
+}  // namespace foreview
