@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -16,8 +17,9 @@ namespace foreview {
 /// Beside it, one state per polygon in a buffer: mean colour and whether a picture has ever shown it.
 class TextureStore {
  public:
-  /// Needs a current context. Allocates once; nothing is created or deleted until destruction. `model` and `layout`
-  /// are copied as far as needed. Throws InputError if the driver's limits do not allow the layout.
+  /// Needs a current context, as do all members. Allocates once; nothing is created or deleted until destruction. Holds
+  /// copies of `model` and `layout`. Begins as after clear(). Throws InputError if the driver's limits do not allow the
+  /// layout, GraphicsError if it has not the memory.
   TextureStore(const PolygonModel& model, ChartLayout layout);
   ~TextureStore();
   TextureStore(const TextureStore&) = delete;
@@ -25,7 +27,7 @@ class TextureStore {
 
   [[nodiscard]] const ChartLayout& layout() const { return layout_; }
   [[nodiscard]] const PolygonModel& model() const { return model_; }
-  /// GL_TEXTURE_2D_ARRAY, RGBA8, kChartLevels levels, page_size x page_size x pages.
+  /// GL_TEXTURE_2D_ARRAY, RGBA8, kChartLevels levels, page_size x page_size x pages; filter trilinear, clamped.
   [[nodiscard]] GLuint pages() const { return pages_.id(); }
   /// GL_SHADER_STORAGE_BUFFER of one PolygonState per polygon (std430).
   struct PolygonState {
@@ -34,17 +36,25 @@ class TextureStore {
   };
   [[nodiscard]] GLuint polygon_states() const { return polygon_states_.id(); }
 
-  /// Rebuilds levels 1.. of the given polygons' charts from level 0, one chart after the other (never across charts).
+  // The members below that compute do so on the GPU, without waiting for it where not said otherwise, and change the
+  // current context's program, and its bindings of the first few texture and image units and shader storage buffers.
+  // They issue the memory barriers that writers before and readers after them need.
+
+  /// Rebuilds levels 1.. of the given polygons' charts (each named once) from level 0, never across charts; all in one
+  /// dispatch. The colour of a level's texel is the mean of all level 0 texels under it, and so is its alpha.
   void update_levels(const std::vector<std::uint32_t>& polygons);
   /// Gives polygons that no picture has shown their neighbours' colours, through the mesh's adjacency: from the rim of
   /// what was seen inwards, until nothing changes; polygons not connected to any seen one take the mean of all seen.
-  /// Reads polygon_states (seen == 1 as sources) and writes the others. Without any seen polygon: mid grey.
+  /// Reads polygon_states (seen == 1 as sources) and writes the others: the mean of the neighbours coloured so far, and
+  /// seen = 0.5. Without any seen polygon: mid grey, seen = 0. Waits for the GPU once every 16 rims.
   void spread_to_never_seen();
+  /// Nothing seen: all texels transparent black, all polygons mid grey.
   void clear();
 
-  /// Whole pages as RGBA8 (CV_8UC4, BGRA order), level 0.
+  /// Whole pages as CV_8UC4, BGRA order, level 0.
   [[nodiscard]] std::vector<cv::Mat> read_pages() const;
   [[nodiscard]] std::vector<PolygonState> read_polygon_states() const;
+  /// Replaces all: pages as read_pages() gives them (levels are rebuilt), and the states.
   void write_pages(const std::vector<cv::Mat>& pages, const std::vector<PolygonState>& states);
   /// Texels of level 0 with alpha 1, by read-back: for statistics and tests.
   [[nodiscard]] std::size_t count_observed_texels() const;
@@ -54,8 +64,8 @@ class TextureStore {
   ChartLayout layout_;
   GlTexture pages_;
   GlBuffer polygon_states_;
-  struct Programs;
-  Programs* programs_;
+  struct Tools;
+  std::unique_ptr<Tools> tools_;
 };
 
 /// Keeps what has been seen between runs: a directory with page-000.png ... (lossless, alpha = provenance) and
