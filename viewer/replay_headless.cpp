@@ -1,0 +1,62 @@
+#include <spdlog/spdlog.h>
+
+#include <optional>
+
+#include "foreview/viewer/frame_composer.h"
+#include "foreview/viewer/interrupt.h"
+#include "foreview/viewer/picture_output.h"
+#include "foreview/viewer/progress.h"
+#include "foreview/viewer/replay_session.h"
+
+namespace foreview {
+
+std::vector<ReplayInstant> replay_instants(Replayer& replayer) {
+  std::vector<ReplayInstant> instants;
+  const auto& pictures = replayer.recording().cameras()[replayer.camera()].pictures;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    if (pictures[i].stamp < replayer.first() || pictures[i].stamp > replayer.last()) continue;
+    instants.push_back({i, pictures[i].stamp});
+  }
+  return instants;
+}
+
+namespace {
+
+/// Extracts what is due at the first instant: that can be hundreds of pictures.
+void catch_up(Replayer& replayer, Timestamp t) {
+  std::optional<ProgressBar> progress;
+  replayer.advance_to(t, [&](std::size_t done, std::size_t todo) {
+    throw_if_interrupted();
+    if (!progress) progress.emplace("textures", todo);
+    progress->update(done);
+  });
+}
+
+}  // namespace
+
+ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& options) {
+  const std::vector<ReplayInstant> instants = replay_instants(replayer);
+  const auto& pictures = replayer.recording().cameras()[replayer.camera()].pictures;
+  const std::filesystem::path directory = options.out / to_string(options.choice.mode);
+  FrameComposer composer(replayer, options.near_plane);
+  ReplaySummary summary;
+  if (!instants.empty()) catch_up(replayer, instants.front().stamp);
+  ProgressBar progress("replay", instants.size());
+  for (std::size_t i = 0; i < instants.size(); i += options.every) {
+    throw_if_interrupted();
+    const Timestamp t = instants[i].stamp;
+    replayer.advance_to(t, [](std::size_t, std::size_t) { throw_if_interrupted(); });
+    if (!replayer.predicted_state(t)) {
+      spdlog::debug("{}: no recorded state, skipped", pictures[instants[i].index].stem);
+      ++summary.instants_without_state;
+      continue;
+    }
+    composer.compose(t, options.choice, composer.native_size(options.choice.mode));
+    write_png(directory / (pictures[instants[i].index].stem + ".png"), composer.read());
+    ++summary.pictures_written;
+    progress.update(i + 1);
+  }
+  return summary;
+}
+
+}  // namespace foreview
