@@ -1,0 +1,16 @@
+#pragma once
+#include <string>
+
+#include "foreview/gpu/extraction.h"
+
+namespace foreview {
+
+/// The words by which options, help and reports call the variants of the extraction.
+/// "diamond", "alternating", "progressive", "none". InputError naming `option` lists them.
+[[nodiscard]] ArtefactSuppression parse_artefact_suppression(const std::string& text, const std::string& option);
+/// "pyramid", "iterative", "none".
+[[nodiscard]] HoleFilling parse_hole_filling(const std::string& text, const std::string& option);
+[[nodiscard]] const char* to_string(ArtefactSuppression artefacts);
+[[nodiscard]] const char* to_string(HoleFilling fill);
+
+}  // namespace foreview

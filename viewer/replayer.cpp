@@ -1,0 +1,355 @@
+#include "foreview/viewer/replayer.h"
+
+#include <epoxy/gl.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "foreview/gpu/per_polygon/per_polygon_extraction.h"
+#include "foreview/recordings/builtin.h"
+#include "foreview/scene/errors.h"
+#include "foreview/viewer/interrupt.h"
+#include "foreview/viewer/progress.h"
+#include "foreview/viewer/texture_proposal.h"
+#include "foreview/viewer/undistortion.h"
+
+namespace foreview {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A picture by its place in the recording. Capture order; of pictures taken at once, the first camera's goes first.
+struct PictureId {
+  Timestamp stamp;
+  std::size_t camera = 0;
+  std::size_t index = 0;
+  auto operator<=>(const PictureId&) const = default;
+};
+
+/// A directory wins over a built-in recording of the same name: it is what someone who generated one there means.
+Recording open_recording(const fs::path& place) {
+  std::error_code error;
+  const std::vector<std::string> names = builtin_recording_names();
+  const bool is_builtin = std::find(names.begin(), names.end(), place.string()) != names.end();
+  if (!is_builtin && !fs::exists(place, error)) {
+    std::string listed;
+    for (const std::string& name : names) listed += (listed.empty() ? "" : ", ") + name;
+    throw InputError(place.string(), "no such directory, nor a built-in recording (" + listed + ")");
+  }
+  if (!is_builtin || fs::is_directory(place, error)) return Recording::open(place);
+  GenerateOptions generate;
+  generate.name = place.string();
+  std::unique_ptr<ProgressBar> bar;
+  const fs::path directory = cached_recording(generate, [&](std::size_t done, std::size_t todo) {
+    throw_if_interrupted();
+    if (!bar) bar = std::make_unique<ProgressBar>("generating " + generate.name, todo);
+    bar->update(done);
+  });
+  return Recording::open(directory);
+}
+
+fs::path find_scene(const ReplayOptions& options, const Recording& recording) {
+  std::error_code error;
+  if (options.scene) {
+    if (fs::is_regular_file(*options.scene, error)) return *options.scene;
+    const fs::path beside = recording.directory() / *options.scene;
+    if (fs::is_regular_file(beside, error)) return beside;
+    throw InputError("--scene", "no such file: " + options.scene->string() + " (nor in " +
+                                    recording.directory().string() + "); expected a polygon model");
+  }
+  const auto own = recording.scene_file();
+  if (!own) {
+    throw InputError(recording.directory().string(),
+                     "the recording has no scene model; expected scene.ply, scene.obj or the like, or --scene FILE");
+  }
+  if (!fs::is_regular_file(*own, error)) {
+    throw InputError(own->string(), "no such file, though the recording names it as its scene model; see --scene");
+  }
+  return *own;
+}
+
+PolygonModel load_model(const ReplayOptions& options, const Recording& recording) {
+  const fs::path file = find_scene(options, recording);
+  ImportReport report;
+  PolygonModel model = import_model(file, recording.import_options(), &report);
+  spdlog::info("{}: {} polygons, {} of them backdrop, in {} part(s)", file.string(), model.polygons().size(),
+               report.backdrop_polygons, model.parts().size());
+  for (const std::string& warning : report.warnings) spdlog::debug("{}: {}", file.string(), warning);
+  return model;
+}
+
+ChartOptions chart_options_for(const ReplayOptions& options, const Recording& recording, const PolygonModel& model) {
+  ChartOptions charts;
+  const auto density = options.density ? options.density : recording.proposed_density();
+  const auto max_texels = options.max_texels ? options.max_texels : recording.proposed_max_texels();
+  TextureProposal proposal;
+  if (!density || !max_texels) proposal = propose_textures(recording, model);
+  charts.texels_per_metre = density.value_or(proposal.texels_per_metre);
+  charts.max_texels = max_texels.value_or(proposal.max_texels);
+  spdlog::info("textures: {:g} texels/m ({}), at most {} texels along an axis", charts.texels_per_metre,
+               options.density ? "--density"
+               : density       ? "the recording's proposal"
+                               : "what the pictures resolve",
+               charts.max_texels);
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  charts.page_size = std::min(charts.page_size, static_cast<int>(limit));
+  return charts;
+}
+
+ChartLayout lay_out(const PolygonModel& model, const ChartOptions& options) {
+  ChartLayout layout = lay_out_charts(model, options);
+  for (const std::string& note : layout.notes) spdlog::info("textures: {}", note);
+  return layout;
+}
+
+/// Recording, model and options in the order in which each needs the one before.
+struct Loaded {
+  explicit Loaded(const ReplayOptions& from)
+      : options(from),
+        recording((from.extraction.validate(), open_recording(from.recording))),
+        camera(recording.camera_index(from.camera)),
+        model(load_model(from, recording)),
+        charts(chart_options_for(from, recording, model)) {}
+  ReplayOptions options;
+  Recording recording;
+  std::size_t camera;
+  PolygonModel model;
+  ChartOptions charts;
+};
+
+void add(ExtractionStatistics& sum, const ExtractionStatistics& one) {
+  sum.polygons_visible += one.polygons_visible;
+  sum.polygons_skipped_back_face += one.polygons_skipped_back_face;
+  sum.polygons_skipped_outside += one.polygons_skipped_outside;
+  sum.polygons_skipped_too_small += one.polygons_skipped_too_small;
+  sum.polygons_exempt_small += one.polygons_exempt_small;
+  sum.texels_observed += one.texels_observed;
+  sum.ms_upload += one.ms_upload;
+  sum.ms_perspective += one.ms_perspective;
+  sum.ms_occlusion += one.ms_occlusion;
+  sum.ms_suppression += one.ms_suppression;
+  sum.ms_normalisation += one.ms_normalisation;
+  sum.ms_fusion += one.ms_fusion;
+  sum.ms_filling += one.ms_filling;
+  sum.ms_other += one.ms_other;
+  sum.ms_total += one.ms_total;
+}
+
+}  // namespace
+
+struct Replayer::State : Loaded {
+  explicit State(const ReplayOptions& from)
+      : Loaded(from),
+        operator_camera(recording.cameras()[camera].model.undistorted()),
+        undistortion(recording.cameras()[camera].model),
+        store(model, lay_out(model, charts)),
+        extraction(store, charts, options.extraction),
+        view(store) {
+    find_span();
+    begin_afresh();
+    store.spread_to_never_seen();
+  }
+
+  const Recording::Camera& own() const { return recording.cameras()[camera]; }
+
+  /// --from and --to, cut to the pictures at which the state of everything is known.
+  void find_span() {
+    const Timestamp from =
+        options.from.empty() ? recording.first_stamp(camera) : recording.parse_position(options.from, "--from", camera);
+    const Timestamp to =
+        options.to.empty() ? recording.last_stamp(camera) : recording.parse_position(options.to, "--to", camera);
+    if (to < from) throw InputError("--to", "lies before --from; expected the same position or a later one");
+    bool any = false;
+    for (const Recording::PictureEntry& picture : own().pictures) {
+      if (picture.stamp < from || picture.stamp > to) continue;
+      if (!recording.predicted_state(camera, picture.stamp, model)) continue;
+      if (!any) first = picture.stamp;
+      last = picture.stamp;
+      any = true;
+    }
+    if (!any) {
+      throw InputError(recording.directory().string(),
+                       "no usable picture from " + (options.from.empty() ? "its start" : options.from) + " to " +
+                           (options.to.empty() ? "its end" : options.to) +
+                           "; expected at least one with the poses of the camera and all parts");
+    }
+    // A display time between pictures is as good, so long as its state is known.
+    if (from > recording.first_stamp(camera) && recording.predicted_state(camera, from, model)) first = from;
+    if (to < recording.last_stamp(camera) && recording.predicted_state(camera, to, model)) last = to;
+  }
+
+  /// To what the textures were before the first picture.
+  void begin_afresh() {
+    extraction.clear();
+    store.clear();
+    used.clear();
+    const auto initial = options.load_textures ? options.load_textures : recording.initial_textures();
+    if (!initial || initial_unfit) return;
+    try {
+      load_textures(store, *initial);
+      extraction.adopt_store();
+    } catch (const InputError& error) {
+      // The user's own must fit; what the recording begins with does not fit every model and density.
+      if (options.load_textures) throw;
+      spdlog::warn("beginning without the recording's textures: {}", error.what());
+      initial_unfit = true;
+      store.clear();
+    }
+  }
+
+  /// All pictures that a display at time t may know, in capture order, without those found damaged.
+  [[nodiscard]] std::vector<PictureId> wanted_at(Timestamp t) const {
+    std::vector<PictureId> wanted;
+    for (std::size_t c = 0; c < recording.cameras().size(); ++c) {
+      const auto newest = recording.newest_before(c, t - options.delay);
+      if (!newest) continue;
+      std::size_t left = options.history.value_or(*newest + 1);
+      for (std::size_t i = *newest + 1; i-- > 0 && left > 0;) {
+        const PictureId id{recording.cameras()[c].pictures[i].stamp, c, i};
+        if (damaged.count(id) != 0) continue;
+        wanted.push_back(id);
+        --left;
+      }
+    }
+    std::sort(wanted.begin(), wanted.end());
+    return wanted;
+  }
+
+  std::size_t advance_to(Timestamp t, const std::function<void(std::size_t, std::size_t)>& progress) {
+    std::size_t extracted = 0;
+    bool changed = false, again = true;
+    while (again) {
+      again = false;
+      const std::vector<PictureId> wanted = wanted_at(t);
+      if (used.size() > wanted.size() || !std::equal(used.begin(), used.end(), wanted.begin())) {
+        begin_afresh();
+        changed = true;
+      }
+      const std::size_t todo = wanted.size() - used.size();
+      for (std::size_t done = 0; done < todo && !again; ++done) {
+        if (progress) progress(done, todo);
+        const PictureId id = wanted[used.size()];
+        const auto frame = recording.read_frame(id.camera, id.index, model);
+        if (frame) {
+          extract(*frame);
+          used.push_back(id);
+          ++extracted;
+        } else {
+          // With --history, an older picture takes its place: the operator's site would never have got it.
+          damaged.insert(id);
+          again = true;
+        }
+      }
+      if (progress && !again && todo > 0) progress(todo, todo);
+    }
+    if (changed || extracted > 0) store.spread_to_never_seen();
+    return extracted;
+  }
+
+  void extract(const CameraFrame& frame) {
+    glFinish();
+    const auto start = std::chrono::steady_clock::now();
+    add(statistics, extraction.extract(frame));
+    glFinish();
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ++pictures_extracted;
+  }
+
+  CameraModel operator_camera;
+  Undistortion undistortion;
+  TextureStore store;
+  PerPolygonExtraction extraction;
+  PredictedView view;
+  Timestamp first, last;
+  std::vector<PictureId> used;  ///< since the textures were last begun afresh, in the order of their extraction
+  std::set<PictureId> damaged;
+  bool initial_unfit = false;
+  ExtractionStatistics statistics;
+  std::size_t pictures_extracted = 0;
+  double seconds = 0;
+};
+
+Replayer::Replayer(const ReplayOptions& options) : state_(std::make_unique<State>(options)) {}
+Replayer::~Replayer() = default;
+
+Recording& Replayer::recording() {
+  return state_->recording;
+}
+const PolygonModel& Replayer::model() const {
+  return state_->model;
+}
+TextureStore& Replayer::store() {
+  return state_->store;
+}
+PredictedView& Replayer::view() {
+  return state_->view;
+}
+std::size_t Replayer::camera() const {
+  return state_->camera;
+}
+const CameraModel& Replayer::operator_camera() const {
+  return state_->operator_camera;
+}
+const ChartOptions& Replayer::chart_options() const {
+  return state_->charts;
+}
+Timestamp Replayer::first() const {
+  return state_->first;
+}
+Timestamp Replayer::last() const {
+  return state_->last;
+}
+
+std::size_t Replayer::advance_to(Timestamp t, const std::function<void(std::size_t, std::size_t)>& progress) {
+  return state_->advance_to(t, progress);
+}
+
+std::optional<PredictedState> Replayer::predicted_state(Timestamp t) const {
+  return state_->recording.predicted_state(state_->camera, t, state_->model);
+}
+
+std::optional<std::size_t> Replayer::newest_used() const {
+  for (auto id = state_->used.rbegin(); id != state_->used.rend(); ++id) {
+    if (id->camera == state_->camera) return id->index;
+  }
+  return std::nullopt;
+}
+
+std::optional<Replayer::UsedPicture> Replayer::last_used() const {
+  if (state_->used.empty()) return std::nullopt;
+  return UsedPicture{state_->used.back().camera, state_->used.back().index};
+}
+
+cv::Mat Replayer::undistorted_picture(std::size_t index) const {
+  return state_->undistortion.undistort(state_->recording.read_picture(state_->camera, index));
+}
+
+const cv::Mat& Replayer::usable_pixels() const {
+  return state_->undistortion.usable();
+}
+
+const ExtractionStatistics& Replayer::statistics() const {
+  return state_->statistics;
+}
+std::size_t Replayer::pictures_extracted() const {
+  return state_->pictures_extracted;
+}
+std::size_t Replayer::pictures_damaged() const {
+  return state_->damaged.size();
+}
+double Replayer::extraction_seconds() const {
+  return state_->seconds;
+}
+
+void Replayer::save_textures_if_asked() const {
+  if (state_->options.save_textures) save_textures(state_->store, *state_->options.save_textures);
+}
+
+}  // namespace foreview

@@ -1,0 +1,23 @@
+#pragma once
+#include "foreview/recordings/recording.h"
+#include "foreview/scene/polygon_model.h"
+
+namespace foreview {
+
+/// Sizes of textures that suit a recording, where neither the user nor the recording names them.
+struct TextureProposal {
+  double texels_per_metre = 500;
+  int max_texels = 256;
+};
+
+/// What the pictures resolve: a surface at distance z along the optical axis, seen square on, has f / z pixels a metre.
+/// Over rays of up to 16 pictures per camera, spread over the recording, that meet the model (not its backdrop), three
+/// quarters resolve no more than this density; rounded to 1, 1.5, 2, 3, 5 or 7 times a power of ten, within 50..2000.
+/// 500 (spec 6) where no ray meets anything. max_texels: a power of two that the largest polygon needs at this density,
+/// within 256..1024.
+[[nodiscard]] TextureProposal propose_textures(const Recording& recording, const PolygonModel& model);
+
+/// The one of 1, 1.5, 2, 3, 5, 7 times a power of ten whose ratio to `value` (positive) is nearest to 1.
+[[nodiscard]] double round_number(double value);
+
+}  // namespace foreview
