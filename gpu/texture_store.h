@@ -68,15 +68,18 @@ class TextureStore {
   std::unique_ptr<Tools> tools_;
 };
 
-/// Keeps what has been seen between runs: a directory with page-000.png ... (lossless, alpha = provenance) and
-/// textures.yaml (format version, model fingerprint, layout figures, polygon states). Written beside and renamed.
+/// Keeps what has been seen between runs: a directory with page-000.png ... (RGBA, lossless, alpha = provenance),
+/// polygon-states.csv and textures.yaml (see textures_format.h). Files are written beside and renamed, textures.yaml
+/// last; other files of the directory are left alone. Throws InputError naming the file where the disk refuses.
 void save_textures(const TextureStore& store, const std::filesystem::path& directory);
-/// Throws InputError naming file and expectation where the files are damaged or belong to another model or layout.
+/// Throws InputError naming file and expectation where the files are damaged or belong to another model or layout; the
+/// store is changed only if all is well.
 void load_textures(TextureStore& store, const std::filesystem::path& directory);
 
-/// The textured model as binary glTF 2.0, for any viewer: one mesh per part, one PNG texture per atlas page (embedded),
-/// unlit material, colours of never-seen polygons from polygon_states, nodes posed by world_from_part, y up. The
-/// backdrop is left out unless asked for.
+/// The textured model as binary glTF 2.0, for any viewer: one mesh per part, one PNG texture per atlas page (embedded,
+/// cut to what is used of it), unlit material, colours of never-seen polygons from polygon_states as vertex colours.
+/// Nodes are posed by world_from_part (one per part) under a root node that turns our z up into glTF's y up. The
+/// backdrop is left out unless asked for. Written beside and renamed; InputError where the disk refuses.
 void export_glb(const TextureStore& store, const std::vector<Pose>& world_from_part, const std::filesystem::path& file,
                 bool with_backdrop = false);
 

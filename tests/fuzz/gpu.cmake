@@ -1,0 +1,1 @@
+foreview_add_fuzzer(textures_fuzzer SOURCES textures_fuzzer.cpp LINKS foreview::gpu)
