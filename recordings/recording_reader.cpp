@@ -67,7 +67,11 @@ class RecordingReader {
     recording_.proposed_density_ = yaml.density;
     recording_.proposed_max_texels_ = yaml.max_texels;
     if (yaml.initial_textures) {
-      recording_.initial_textures_ = required_file(directory_, *yaml.initial_textures, yaml_file, "textures.initial");
+      const fs::path textures = directory_ / *yaml.initial_textures;
+      if (!is_there(textures)) {
+        throw InputError(yaml_file.string(), "textures.initial: no such directory: " + textures.string());
+      }
+      recording_.initial_textures_ = textures;
     }
     read_parts();
     const fs::path joints = directory_ / "joints.csv";

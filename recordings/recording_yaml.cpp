@@ -36,7 +36,7 @@ void read_stamp(const YamlMap& yaml, RecordingYaml& result) {
       yaml.fail("exposure", in_quotes(*exposure) + " is no duration; expected as in 10ms");
     }
     if (!(result.exposure.nanoseconds >= 0 && result.exposure.seconds() <= kLongestExposure)) {
-      yaml.fail("exposure", "is " + *exposure + "; expected 0 to " + number_text(kLongestExposure) + " s");
+      yaml.fail("exposure", "is " + printable(*exposure) + "; expected 0 to " + number_text(kLongestExposure) + " s");
     }
   }
   const std::string stamp = yaml.text("stamp").value_or("middle_of_exposure");

@@ -18,7 +18,7 @@ struct RecordingYaml {
   ImportOptions import_options;
   std::optional<double> density;
   std::optional<int> max_texels;
-  std::optional<std::string> initial_textures;  ///< relative
+  std::optional<std::string> initial_textures;  ///< relative; what save_textures() wrote
 };
 
 /// Throws InputError "WHERE:LINE: KEY: why" on unknown keys, wrong types and impossible values.

@@ -36,15 +36,19 @@ std::string read_input_file(const std::filesystem::path& file, std::size_t max_b
   return bytes;
 }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string result = "'";
+std::string printable(std::string_view text) {
+  constexpr std::size_t kLongest = 100;
+  std::string result;
   for (const char c : text.substr(0, kLongest)) {
     const auto code = static_cast<unsigned char>(c);
     result += code < 0x20 || code >= 0x7f ? '?' : c;
   }
   if (text.size() > kLongest) result += "...";
-  return result + "'";
+  return result;
+}
+
+std::string in_quotes(std::string_view text) {
+  return "'" + printable(text) + "'";
 }
 
 bool parse_number(std::string_view text, double& result) {

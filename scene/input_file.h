@@ -10,7 +10,9 @@ namespace foreview {
 /// (opening those could wait for ever), unreadable, or larger than `max_bytes`.
 [[nodiscard]] std::string read_input_file(const std::filesystem::path& file, std::size_t max_bytes);
 
-/// Text from outside as it may stand in a one-line message: in quotes, shortened, control characters as '?'.
+/// Text from outside as it may stand in a one-line message: shortened, whatever is not printable ASCII as '?'.
+[[nodiscard]] std::string printable(std::string_view text);
+/// The same in quotes.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 /// A number as a person writes it, independent of the locale: all of `text`, decimal, with or without exponent; "nan"

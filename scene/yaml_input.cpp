@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -30,9 +31,9 @@ YamlMap YamlMap::parse(const std::string& text, const std::string& where) {
   try {
     root = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw InputError(place(where, error.mark), "is not valid YAML: " + error.msg);
+    throw InputError(place(where, error.mark), "is not valid YAML: " + printable(error.msg));
   } catch (const std::exception& error) {
-    throw InputError(where, std::string("is not valid YAML: ") + error.what());
+    throw InputError(where, "is not valid YAML: " + printable(error.what()));
   }
   if (!root.IsDefined() || root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
   if (!root.IsMap()) throw InputError(place(where, root.Mark()), "expected lines 'key: value'");
@@ -88,10 +89,19 @@ const std::string& YamlMap::scalar(const YAML::Node& node, const std::string& ke
   return node.Scalar();
 }
 
+const std::string& YamlMap::plain_text(const YAML::Node& node, const std::string& key, const char* wanted) const {
+  const std::string& text = scalar(node, key, wanted);
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (std::any_of(text.begin(), text.end(), is_control)) {
+    fail_at(node, key, "holds line ends or other control characters; expected " + std::string(wanted));
+  }
+  return text;
+}
+
 std::optional<std::string> YamlMap::text(const std::string& key) const {
   const YAML::Node node = find(key);
   if (!node.IsDefined()) return std::nullopt;
-  return scalar(node, key, "a text");
+  return plain_text(node, key, "a text");
 }
 
 std::optional<bool> YamlMap::flag(const std::string& key) const {
@@ -134,7 +144,7 @@ std::optional<std::vector<std::string>> YamlMap::texts(const std::string& key) c
   if (!node.IsDefined()) return std::nullopt;
   if (!node.IsSequence()) fail_at(node, key, "expected a list, as in [left, right]");
   std::vector<std::string> result;
-  for (const auto& item : node) result.push_back(scalar(item, key, "a list of words"));
+  for (const auto& item : node) result.push_back(plain_text(item, key, "a list of words"));
   return result;
 }
 

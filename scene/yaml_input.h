@@ -25,6 +25,7 @@ class YamlMap {
   [[nodiscard]] std::string first_of(std::initializer_list<const char*> keys) const;
 
   // Each returns nothing where the key is absent, and throws where its value is of another kind.
+  /// Without control characters.
   [[nodiscard]] std::optional<std::string> text(const std::string& key) const;
   [[nodiscard]] std::optional<bool> flag(const std::string& key) const;
   /// Finite and within [lowest, highest].
@@ -43,6 +44,7 @@ class YamlMap {
   YamlMap(YAML::Node node, std::string where, std::string prefix);
   [[nodiscard]] YAML::Node find(const std::string& key) const;
   [[nodiscard]] const std::string& scalar(const YAML::Node& node, const std::string& key, const char* wanted) const;
+  [[nodiscard]] const std::string& plain_text(const YAML::Node& node, const std::string& key, const char* wanted) const;
   [[noreturn]] void fail_at(const YAML::Node& node, const std::string& key, const std::string& why) const;
 
   YAML::Node node_;

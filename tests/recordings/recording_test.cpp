@@ -62,7 +62,7 @@ TEST(Recording, ThatCannotBeUsedIsAnErrorOfOneLine) {
       {"recording.yaml", "\x80\x81 [\xff\n\x01\x02", "recording.yaml"},
       {"recording.yaml", "cameras: [left]\n", "left/camera.yaml: no such file"},
       {"recording.yaml", "scene: {model: none.obj}\n", "recording.yaml: scene.model: no such file: none.obj"},
-      {"recording.yaml", "textures: {initial: none}\n", "recording.yaml: textures.initial: no such file: none"},
+      {"recording.yaml", "textures: {initial: none}\n", "recording.yaml: textures.initial: no such directory: none"},
       {"joints.csv", "", "joints.csv: is empty"},
       {"parts/arm.txt", "", "parts/arm.txt: not one usable pose"},
       {"parts/arm.txt", "\xff\x80\n", "lines dropped, malformed; first parts/arm.txt:1: "},
@@ -154,10 +154,10 @@ TEST(Recording, FindsTheSceneModelAndItsOptions) {
   sample.directory.write("scene.ply", "x");
   EXPECT_EQ(sample.open().scene_file(), sample.directory / "scene.ply");
   sample.directory.write("other/cell.stl", "x");
-  sample.directory.write("start.bin", "x");
+  sample.directory.write("start/a.bin", "x");
   sample.directory.write("recording.yaml",
                          "name: cell\nscene: {model: other/cell.stl, scale: 0.001, backdrop: off}\n"
-                         "textures: {density: 250, max_texels: 64, initial: start.bin}\n");
+                         "textures: {density: 250, max_texels: 64, initial: start}\n");
   const Recording recording = sample.open();
   EXPECT_EQ(recording.name(), "cell");
   EXPECT_EQ(recording.scene_file(), sample.directory / "other/cell.stl");
@@ -165,7 +165,7 @@ TEST(Recording, FindsTheSceneModelAndItsOptions) {
   EXPECT_FALSE(recording.import_options().backdrop);
   EXPECT_EQ(recording.proposed_density(), 250);
   EXPECT_EQ(recording.proposed_max_texels(), 64);
-  EXPECT_EQ(recording.initial_textures(), sample.directory / "start.bin");
+  EXPECT_EQ(recording.initial_textures(), sample.directory / "start");
 }
 
 TEST(Recording, PositionsAreIndicesOrTimesSinceTheStart) {

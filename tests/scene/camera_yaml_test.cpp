@@ -111,7 +111,7 @@ TEST(CameraYaml, WritesWhatItReadsBackExactly) {
   camera.height = 570;
   camera.focal_length = {1.0 / 3 * 2000, 812.3456789012345};
   camera.principal_point = {375.123456789, 285.987654321};
-  camera.name = "left \"eye\": \\ #1\n\tü";
+  camera.name = "left \"eye\": \\ #1 ü";
   for (const DistortionModel model : {DistortionModel::none, DistortionModel::plumb_bob, DistortionModel::fisheye}) {
     for (const std::size_t used : {4U, 5U, 8U}) {
       camera.distortion_model = model;
@@ -194,6 +194,12 @@ TEST(CameraYaml, RefusesWhatIsNoYamlInOneLine) {
     const std::string message = error_of(text);
     EXPECT_EQ(message.substr(0, 11), "camera.yaml") << text.substr(0, 40);
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+TEST(CameraYaml, MessagesStayOneLineWhateverTheFileHolds) {
+  for (const char* text : {"a: \"\\\x02\"", "image_width: \"\\\n\"", "camera_name: \"\\q\"", "a: \x91\xff\"\\\n"}) {
+    for (const char c : error_of(text)) EXPECT_TRUE(c >= 0x20 && c < 0x7f) << error_of(text);
   }
 }
 

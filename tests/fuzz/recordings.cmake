@@ -1,0 +1,5 @@
+foreview_add_fuzzer(tum_fuzzer SOURCES tum_fuzzer.cpp LINKS foreview::recordings)
+foreview_add_fuzzer(camera_yaml_fuzzer SOURCES camera_yaml_fuzzer.cpp LINKS foreview::scene)
+foreview_add_fuzzer(recording_yaml_fuzzer SOURCES recording_yaml_fuzzer.cpp LINKS foreview::recordings)
+foreview_add_fuzzer(joints_fuzzer SOURCES joints_fuzzer.cpp LINKS foreview::recordings)
+foreview_add_fuzzer(picture_fuzzer SOURCES picture_fuzzer.cpp LINKS foreview::recordings opencv_imgcodecs)
