@@ -1,0 +1,82 @@
+#include "foreview/gpu/undistorter.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "foreview/gpu/dispatch.h"
+#include "foreview/scene/errors.h"
+
+namespace foreview {
+
+namespace {
+
+void upload(GLuint texture, const cv::Mat& picture) {
+  // OpenGL counts a row's length in whole pixels; OpenCV's may be anything.
+  const cv::Mat rows = picture.step[0] % 3 == 0 ? picture : picture.clone();
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(rows.step[0] / 3));
+  glTextureSubImage2D(texture, 0, 0, 0, rows.cols, rows.rows, GL_BGR, GL_UNSIGNED_BYTE, rows.data);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+Undistorter::Undistorter() : program_(make_compute_program("undistort.comp.glsl")) {}
+
+void Undistorter::make_room(int width, int height) {
+  if (width <= room_width_ && height <= room_height_) return;
+  room_width_ = std::max(width, room_width_);
+  room_height_ = std::max(height, room_height_);
+  lens_ = make_texture_2d(GL_RGBA8, room_width_, room_height_);
+  undistorted_ = make_texture_2d(GL_RGBA8, room_width_, room_height_);
+}
+
+void Undistorter::load(const cv::Mat& picture, const CameraModel& camera, const std::string& where) {
+  if (picture.empty() || picture.type() != CV_8UC3) throw InputError(where, "is no picture of 8-bit BGR");
+  if (picture.cols != camera.width || picture.rows != camera.height) {
+    throw InputError(where, "is " + size_text(picture.cols, picture.rows) + " pixels, expected its camera's " +
+                                size_text(camera.width, camera.height));
+  }
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  if (std::max(picture.cols, picture.rows) > limit) {
+    throw InputError(where, "is " + size_text(picture.cols, picture.rows) +
+                                " pixels, the graphics driver takes at most " + std::to_string(limit) + " on a side");
+  }
+  make_room(picture.cols, picture.rows);
+  width_ = picture.cols;
+  height_ = picture.rows;
+  if (!camera.is_distorted()) {
+    upload(undistorted_.id(), picture);  // three channels: alpha becomes 1
+    return;
+  }
+  upload(lens_.id(), picture);
+  std::array<float, 8> k{};
+  std::transform(camera.distortion.begin(), camera.distortion.end(), k.begin(),
+                 [](double d) { return static_cast<float>(d); });
+  glUseProgram(program_.id());
+  glUniform2i(0, width_, height_);
+  glUniform2f(1, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
+  glUniform2f(2, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
+  glUniform1i(3, camera.distortion_model == DistortionModel::fisheye ? 1 : 0);
+  glUniform1fv(4, static_cast<GLsizei>(k.size()), k.data());
+  glBindTextureUnit(0, lens_.id());
+  glBindImageTexture(0, undistorted_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
+  dispatch_over(width_, height_);
+  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+cv::Mat Undistorter::read() const {
+  cv::Mat result(height_, width_, CV_8UC4);
+  if (result.empty()) return result;
+  glGetTextureSubImage(undistorted_.id(), 0, 0, 0, 0, width_, height_, 1, GL_BGRA, GL_UNSIGNED_BYTE,
+                       static_cast<GLsizei>(result.total() * result.elemSize()), result.data);
+  return result;
+}
+
+}  // namespace foreview
