@@ -13,6 +13,7 @@ layout(binding = 0) uniform sampler2DArray pages;  // bilinear within a level, n
 
 const float kCoarsestLevel = 4.0;  // kChartLevels - 1
 const float kMostTaps = 8.0;
+const float kGutter = 2.0;  // kChartGutter
 
 // Unlike min and max, defined for NaN (a pixel centre outside its polygon and beyond the horizon): the lower bound.
 vec2 clamp_nan_safe(vec2 t, vec2 lower, vec2 upper) {
@@ -45,6 +46,14 @@ vec3 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
 
   float taps = clamp(ceil(longer / shorter - 0.25), 1.0, kMostTaps);
   float level = clamp(log2(max(longer / taps, shorter)), 0.0, kCoarsestLevel);
+  // Nearer to the chart's rim than half a texel of its level, a tap would be clamped and show a place further inside: a
+  // seam where a plane is cut. There a finer level, whose half texel fits, is the lesser evil.
+  vec2 rim = min(t, chart.valid - t);
+  float fitting_level = log2(2.0 * max(min(rim.x, rim.y), kGutter));
+  if (level > fitting_level) {
+    level = fitting_level;
+    taps = min(ceil(longer / exp2(level)), kMostTaps);
+  }
   float fine = floor(level);
   float coarse_weight = level - fine;
   vec3 sum = vec3(0.0);
