@@ -205,7 +205,8 @@ ChartLayout lay_out_charts(const PolygonModel& model, const ChartOptions& option
                            std::to_string(count) + " textures, the largest, are lowered to at most " +
                            std::to_string(good) + " texels along an axis (from up to " + std::to_string(longest) + ")");
   }
-  for (std::size_t i = 0; i < count; ++i) add_figures(model, i, layout.charts[i], layout);
+  for (std::size_t i = 0; i < count; ++i)
+    if (!model.polygons()[i].is_backdrop) add_figures(model, i, layout.charts[i], layout);
   layout.allocated_texels = std::size_t{layout.pages} * static_cast<std::size_t>(layout.page_size) *
                             static_cast<std::size_t>(layout.page_size);
   return layout;

@@ -39,9 +39,9 @@ struct ChartLayout {
   int page_size = 0;
   std::uint32_t pages = 0;
   std::vector<Chart> charts;  ///< one per polygon, same order
-  // Figures for `inspect`:
+  // Figures for `inspect`. The first two leave out the backdrop, whose large squares would flatter them:
   double useful_texels = 0;   ///< area of all polygons times density
-  double written_texels = 0;  ///< texels whose centre lies in a polygon grown by the gutter
+  double written_texels = 0;  ///< texels whose centre lies in a polygon grown by the gutter (by area, not counted)
   std::size_t allocated_texels = 0;
   std::size_t memory_bytes = 0;      ///< of the pages, all levels, 4 bytes a texel
   std::size_t polygons_capped = 0;   ///< charts that max_texels made coarser than wanted

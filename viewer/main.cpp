@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   app.parse_complete_callback([&] { apply(options); });
 
   // One line each: the subcommands.
+  foreview::add_inspect_command(app);
 
   try {
     app.parse(argc, argv);
