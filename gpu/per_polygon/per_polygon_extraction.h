@@ -47,11 +47,12 @@ namespace foreview {
 ///    - progressive: n such reductions, each of the one before, then n such enlargements back through the same sizes,
 ///      in each of which <= 15/16 becomes 0; kill where the last is 0.
 /// 5. *Normalise and scale* (spec 6): w = min(r_max, next power of two >= d * extent (1 - 1e-6)), per axis, of the
-///    polygon_frame()'s box, which fills the texture (the tolerance keeps rounding from doubling a size). The texel
-///    (i, j) is cut into n x n cells, n = ceil of the longer of the texel's two steps in pixels (the projection's
-///    derivative at the texel's centre, times the texel's side), less 1/1000 so that rounding does not decide, 1..4;
-///    each cell's centre is projected into the picture and takes the bilinear sample of four pixels. Valid if for every
-///    cell z > near_plane, all four pixels are in the picture and have alpha > 31/32. Colour: the mean of the cells.
+///    polygon_frame()'s box, which fills the texture (the tolerance keeps rounding from doubling a size). A polygon
+///    with a density of its own (the backdrop) takes that as d, and no r_max. The texel (i, j) is cut into n x n cells,
+///    n = ceil of the longer of the texel's two steps in pixels (the projection's derivative at the texel's centre,
+///    times the texel's side), less 1/1000 so that rounding does not decide, 1..4; each cell's centre is projected into
+///    the picture and takes the bilinear sample of four pixels. Valid if for every cell z > near_plane, all four pixels
+///    are in the picture and have alpha > 31/32. Colour: the mean of the cells.
 /// 6. *Fuse* (spec 7): new where valid, else what was there; reversed for a picture older than the newest one that this
 ///    polygon's texture was made from.
 /// 7. *Fill* (spec 9), on a copy: pyramid (pull means of valid children, push bilinearly with clamped coordinates,

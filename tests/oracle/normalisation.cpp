@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace foreview::oracle {
 namespace {
@@ -95,6 +96,13 @@ double longer_step(const TexelPlane& plane, int i, int j, const CameraModel& cam
 
 glm::ivec2 texture_size(const glm::dvec2& extent, double texels_per_metre, int max_texels) {
   return {texels_along(extent.x, texels_per_metre, max_texels), texels_along(extent.y, texels_per_metre, max_texels)};
+}
+
+glm::ivec2 texture_size(const Polygon& polygon, const glm::dvec2& extent, double texels_per_metre, int max_texels) {
+  if (polygon.texels_per_metre > 0) {
+    return texture_size(extent, polygon.texels_per_metre, std::numeric_limits<int>::max());
+  }
+  return texture_size(extent, texels_per_metre, max_texels);
 }
 
 NormalisedTexture normalise(const PolygonModel& model, std::size_t polygon, const PolygonFrame& frame,

@@ -8,6 +8,9 @@
 namespace foreview::oracle {
 
 /// Spec 6, eq. 4.28-4.29: texels along both axes of a polygon's box.
+/// A polygon with a density of its own (the backdrop) is not bounded by `max_texels`.
+[[nodiscard]] glm::ivec2 texture_size(const Polygon& polygon, const glm::dvec2& extent, double texels_per_metre,
+                                      int max_texels);
 [[nodiscard]] glm::ivec2 texture_size(const glm::dvec2& extent, double texels_per_metre, int max_texels);
 
 /// Step 5's result, with what rounding could change.

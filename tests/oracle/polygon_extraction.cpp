@@ -66,7 +66,8 @@ PolygonResult PolygonExtraction::inspect(const PreparedFrame& prepared, std::siz
   }
 
   const PolygonFrame plane = polygon_frame(model_, polygon);
-  const glm::ivec2 size = texture_size(plane.extent, options_.texels_per_metre, options_.max_texels);
+  const glm::ivec2 size =
+      texture_size(model_.polygons()[polygon], plane.extent, options_.texels_per_metre, options_.max_texels);
   result.fresh = normalise(model_, polygon, plane, size, result.projected, result.after, prepared.picture, frame.state,
                            options_.near_plane);
   if (textures_[polygon].width() == 0) {
@@ -95,18 +96,25 @@ std::size_t PolygonExtraction::extract(const PreparedFrame& prepared) {
 
 ChartBlock copy_to_chart(const Chart& chart, const PolygonFrame& frame, const Texture& texture,
                          const ColourImage& filled) {
+  const auto observed_at = [&](double s, double t) {
+    return texture.valid.at(static_cast<int>(std::clamp(std::floor(s), 0.0, texture.width() - 1.0)),
+                            static_cast<int>(std::clamp(std::floor(t), 0.0, texture.height() - 1.0)));
+  };
   ChartBlock block;
   block.colour = ColourImage(chart.size.x, chart.size.y);
-  block.observed = Flags(chart.size.x, chart.size.y);
+  block.observed = block.doubtful = Flags(chart.size.x, chart.size.y);
   for (int y = 0; y < chart.size.y; ++y) {
     for (int x = 0; x < chart.size.x; ++x) {
       const glm::dvec2 texel = glm::dvec2(chart.origin) + glm::dvec2(x + 0.5, y + 0.5);
       const glm::dvec2 plane = frame.plane_from_part(chart.part_from_texel(texel));
       const double s = plane.x / frame.extent.x * texture.width(), t = plane.y / frame.extent.y * texture.height();
       block.colour.at(x, y) = bilinear_clamped(filled, s, t);
-      block.observed.at(x, y) =
-          texture.valid.at(static_cast<int>(std::clamp(std::floor(s), 0.0, texture.width() - 1.0)),
-                           static_cast<int>(std::clamp(std::floor(t), 0.0, texture.height() - 1.0)));
+      block.observed.at(x, y) = observed_at(s, t);
+      for (const double ds : {-1e-3, 1e-3}) {
+        for (const double dt : {-1e-3, 1e-3}) {
+          if (observed_at(s + ds, t + dt) != block.observed.at(x, y)) block.doubtful.at(x, y) = 1;
+        }
+      }
     }
   }
   return block;

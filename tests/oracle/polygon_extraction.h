@@ -72,6 +72,7 @@ class PolygonExtraction {
 struct ChartBlock {
   ColourImage colour;
   Flags observed;
+  Flags doubtful;  ///< rounding decides which texel contains the point
 };
 [[nodiscard]] ChartBlock copy_to_chart(const Chart& chart, const PolygonFrame& frame, const Texture& texture,
                                        const ColourImage& filled);
