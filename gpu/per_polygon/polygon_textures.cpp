@@ -31,8 +31,11 @@ PolygonTextures::PolygonTextures(const PolygonModel& model, const ChartOptions& 
   for (std::size_t i = 0; i < items_.size(); ++i) {
     Item& item = items_[i];
     item.frame = polygon_frame(model, i);
-    item.width = texels_along(item.frame.extent.x, options.texels_per_metre, options.max_texels);
-    item.height = texels_along(item.frame.extent.y, options.texels_per_metre, options.max_texels);
+    const double own_density = model.polygons()[i].texels_per_metre;
+    const double density = own_density > 0 ? own_density : options.texels_per_metre;
+    const int most = own_density > 0 ? limit : options.max_texels;
+    item.width = texels_along(item.frame.extent.x, density, most);
+    item.height = texels_along(item.frame.extent.y, density, most);
     widest_ = std::max(widest_, item.width);
     highest_ = std::max(highest_, item.height);
     bytes += 4.0 * item.width * item.height;
