@@ -59,9 +59,10 @@ void compile(const Shader& shader, const ShaderSource& source) {
   GLint length = 0;
   glGetShaderiv(shader.id, GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  glGetShaderInfoLog(shader.id, length, nullptr, log.data());
+  glGetShaderInfoLog(shader.id, length, &length, log.data());
+  log.resize(static_cast<std::size_t>(length));
   throw GraphicsError("shader " + source.files.front() + " does not compile (files: " + file_list(source) + ")\n" +
-                      log.c_str() + "\n" + numbered(source.text));
+                      log + "\n" + numbered(source.text));
 }
 
 void link(GLuint program, const std::string& name) {
@@ -72,8 +73,9 @@ void link(GLuint program, const std::string& name) {
   GLint length = 0;
   glGetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  glGetProgramInfoLog(program, length, nullptr, log.data());
-  throw GraphicsError("shader program " + name + " does not link\n" + log.c_str());
+  glGetProgramInfoLog(program, length, &length, log.data());
+  log.resize(static_cast<std::size_t>(length));
+  throw GraphicsError("shader program " + name + " does not link\n" + log);
 }
 
 GlFramebuffer checked(GlFramebuffer framebuffer, GLuint color_texture) {

@@ -47,24 +47,29 @@ std::string read_shader_file(const std::string& name) {
   throw GraphicsError("there is no shader " + name + " in gpu/shaders");
 }
 
+std::string line_directive(int line, std::size_t file) {
+  return "#line " + std::to_string(line) + " " + std::to_string(file) + "\n";
+}
+
 void append_file(const std::string& name, const std::string& defines, ShaderSource& source) {
   const bool outermost = source.files.empty();
-  const std::string number = std::to_string(source.files.size());
+  const std::size_t number = source.files.size();
   source.files.push_back(name);
   std::istringstream stream(read_shader_file(name));
-  if (!outermost) source.text += "#line 1 " + number + "\n";
+  if (!outermost) source.text += line_directive(1, number);
   static const std::regex include_pattern(R"re(^\s*#\s*include\s+"([^"]+)"\s*(//.*)?$)re");
   static const std::regex version_pattern(R"re(^\s*#\s*version\s.*$)re");
   std::string line;
   for (int line_number = 1; std::getline(stream, line); ++line_number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    const std::string next_line = std::to_string(line_number + 1);
     std::smatch match;
     if (outermost && line_number == 1) {
       if (!std::regex_match(line, version_pattern)) {
         throw GraphicsError("shader " + name + " must begin with a #version line");
       }
-      source.text += line + "\n" + defines;
+      source.text += line;
+      source.text += '\n';
+      source.text += defines;
       if (!defines.empty() && defines.back() != '\n') source.text += "\n";
       source.text += "#line 2 0\n";
     } else if (std::regex_match(line, match, include_pattern)) {
@@ -72,9 +77,10 @@ void append_file(const std::string& name, const std::string& defines, ShaderSour
       if (std::find(source.files.begin(), source.files.end(), included) == source.files.end()) {
         append_file(included, "", source);
       }
-      source.text += "#line " + next_line + " " + number + "\n";
+      source.text += line_directive(line_number + 1, number);
     } else {
-      source.text += line + "\n";
+      source.text += line;
+      source.text += '\n';
     }
   }
   if (outermost && source.text.empty()) throw GraphicsError("shader " + name + " must begin with a #version line");

@@ -215,6 +215,11 @@ TEST_F(Spread, ReachesTheEndOfALongChain) {
   }
 }
 
+TEST_F(Spread, FrontsMeetHalfwayThoughWorkgroupsRunInAnyOrder) {
+  const std::vector<State> states = spread({200}, {{0, 0.25F}, {199, 0.75F}});
+  for (std::size_t i = 0; i < 200; ++i) EXPECT_EQ(states[i].red, i < 100 ? 0.25F : 0.75F) << i;
+}
+
 TEST_F(Spread, GivesIslandsTheMeanOfAllSeen) {
   const std::vector<State> states = spread({3, 3}, {{0, 0.2F}, {2, 0.4F}});
   for (std::size_t i = 3; i < 6; ++i) {
