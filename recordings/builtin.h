@@ -1,6 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -30,7 +32,12 @@ struct GenerateOptions {
   bool operator==(const GenerateOptions&) const = default;
 };
 
-/// Names of the built-in recordings.
+/// Names of the built-in recordings:
+/// "workcell": a closed room with a seven-joint arm that lifts a workpiece, seen by the stereo pair "left", "right" on
+///   a pan-tilt head; 1,936 polygons, 320 instants at 25 Hz.
+/// "object": a free-standing thing of 139 polygons in a hall; the camera swings through a third of the way around, so
+///   that the textures stay partly empty (spec 12's "partly textured object"). The hall belongs to the backdrop.
+/// "cube": six polygons, each seen almost wholly.
 [[nodiscard]] std::vector<std::string> builtin_recording_names();
 /// Generates into `directory` (created; must not hold another recording). Deterministic: same options, same bytes.
 /// `progress(done, todo)` may throw Interrupted: then the directory is left marked incomplete and is resumed or redone.
@@ -61,6 +68,9 @@ class SyntheticSite {
   [[nodiscard]] std::vector<Pose> world_from_part(Timestamp stamp) const;
   /// What a camera (with its distortion) at this pose sees at this time, without sensor noise; CV_8UC3 BGR.
   [[nodiscard]] cv::Mat render(const CameraModel& camera, const Pose& world_from_camera, Timestamp stamp) const;
+  /// Faces of mesh() that such a picture shows: front faces that own at least one of its samples; ascending.
+  [[nodiscard]] std::vector<std::uint32_t> visible_polygons(const CameraModel& camera, const Pose& world_from_camera,
+                                                            Timestamp stamp) const;
 
  private:
   struct State;

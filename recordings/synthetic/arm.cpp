@@ -70,13 +70,15 @@ JointAngles joints_for(const Pose& tool, double elbow_angle) {
 }
 
 Parts build(Site& site, SiteBuilder& builder, std::uint32_t fixed_part, const Pose& world_from_base) {
-  const std::uint32_t shell = builder.surface({Material::label, {0.90F, 0.46F, 0.12F}, {0.12F, 0.14F, 0.18F}, 1, "FV-7"});
+  const std::uint32_t shell =
+      builder.surface({Material::label, {0.90F, 0.46F, 0.12F}, {0.12F, 0.14F, 0.18F}, 1, "FV-7"});
   const std::uint32_t plain = builder.surface({Material::paint, {0.88F, 0.47F, 0.14F}, {0, 0, 0}, 2, ""});
   const std::uint32_t drum = builder.surface({Material::metal, {0.42F, 0.44F, 0.48F}, {0.1F, 0.1F, 0.1F}, 3, ""});
   const std::uint32_t cap = builder.surface({Material::marker, {0.92F, 0.90F, 0.85F}, {0.10F, 0.11F, 0.13F}, 4, ""});
   const std::uint32_t stripe = builder.surface({Material::hazard, {0.95F, 0.78F, 0.10F}, {0.08F, 0.08F, 0.08F}, 5, ""});
-  const std::uint32_t dark = builder.surface({Material::metal, {0.25F, 0.26F, 0.29F}, {0.85F, 0.85F, 0.80F}, 6, "GRIP"});
-  constexpr int kSides = 12;
+  const std::uint32_t dark =
+      builder.surface({Material::metal, {0.25F, 0.26F, 0.29F}, {0.85F, 0.85F, 0.80F}, 6, "GRIP"});
+  constexpr int kSides = 10;
 
   builder.lathe(fixed_part, world_from_base,
                 {{0.13, 0, stripe}, {0.13, 0.04, shell}, {0.095, 0.12, shell}, {0.085, 0.28, shell}}, kSides, drum,
@@ -87,9 +89,11 @@ Parts build(Site& site, SiteBuilder& builder, std::uint32_t fixed_part, const Po
   const Pose here;
   builder.prism(parts.links[0], here, 0.088, -0.078, 0.0, kSides, drum, cap);
   builder.prism(parts.links[1], along_y(), 0.078, -0.098, 0.098, kSides, plain, cap);
-  builder.lathe(parts.links[2], here, {{0.062, 0.05, drum}, {0.072, 0.10, shell}, {0.060, 0.36, shell}}, kSides, drum, drum);
+  builder.lathe(parts.links[2], here, {{0.062, 0.05, drum}, {0.072, 0.10, shell}, {0.060, 0.36, shell}}, kSides, drum,
+                drum);
   builder.prism(parts.links[3], along_y(), 0.066, -0.085, 0.085, kSides, plain, cap);
-  builder.lathe(parts.links[4], here, {{0.052, 0.05, drum}, {0.058, 0.09, shell}, {0.046, 0.35, shell}}, kSides, drum, drum);
+  builder.lathe(parts.links[4], here, {{0.052, 0.05, drum}, {0.058, 0.09, shell}, {0.046, 0.35, shell}}, kSides, drum,
+                drum);
   builder.prism(parts.links[5], along_y(), 0.050, -0.062, 0.062, kSides, plain, cap);
   builder.prism(parts.links[6], here, 0.042, 0.035, 0.10, kSides, drum, drum);
   builder.box(parts.links[6], moved({0, 0, 0.125}), {0.15, 0.07, 0.05}, dark);

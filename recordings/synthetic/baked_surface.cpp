@@ -10,7 +10,7 @@ namespace foreview::synthetic {
 namespace {
 
 constexpr double kTexelsPerMetre = 600;
-constexpr int kMargin = 3;        // texels
+constexpr int kMargin = 3;  // texels
 constexpr std::size_t kLevels = 6;
 
 }  // namespace
@@ -28,8 +28,8 @@ void BakedSurface::bake(const Surface& surface, const FaceSurface& face, const g
       const glm::vec2 uv = low_ + glm::vec2(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F) /
                                       static_cast<float>(kTexelsPerMetre);
       const glm::vec3 c = surface_colour(surface, uv, size) * 255.0F + 0.5F;
-      base.texels.push_back({static_cast<std::uint8_t>(c.r), static_cast<std::uint8_t>(c.g),
-                             static_cast<std::uint8_t>(c.b), 0});
+      base.texels.push_back(
+          {static_cast<std::uint8_t>(c.r), static_cast<std::uint8_t>(c.g), static_cast<std::uint8_t>(c.b), 0});
     }
   }
   levels_.clear();
@@ -49,7 +49,8 @@ void BakedSurface::bake(const Surface& surface, const FaceSurface& face, const g
                                           static_cast<std::size_t>(fx)];
           for (std::size_t c = 0; c < 3; ++c) sum[c] += texel[c];
         }
-        coarse.texels.push_back({static_cast<std::uint8_t>((sum[0] + 2) / 4), static_cast<std::uint8_t>((sum[1] + 2) / 4),
+        coarse.texels.push_back({static_cast<std::uint8_t>((sum[0] + 2) / 4),
+                                 static_cast<std::uint8_t>((sum[1] + 2) / 4),
                                  static_cast<std::uint8_t>((sum[2] + 2) / 4), 0});
       }
     }
@@ -66,8 +67,8 @@ glm::vec3 BakedSurface::bilinear(std::size_t level, const glm::vec2& texel) cons
   const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
   const float tx = x - static_cast<float>(x0), ty = y - static_cast<float>(y0);
   const auto at = [&](int i, int j) {
-    const auto& t = image.texels[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width) +
-                                 static_cast<std::size_t>(i)];
+    const auto& t =
+        image.texels[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(i)];
     return glm::vec3(t[0], t[1], t[2]);
   };
   const glm::vec3 upper = at(x0, y0) * (1 - tx) + at(x1, y0) * tx;

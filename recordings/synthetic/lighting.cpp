@@ -11,9 +11,9 @@
 namespace foreview::synthetic {
 namespace {
 
-constexpr double kGridStep = 0.045;      // metres between points of a grid
-constexpr float kAmbientReach = 0.9F;    // metres: beyond, nothing dims the ambient light
-constexpr int kLampGrid = 3;             // sample points along a lamp's sides
+constexpr double kGridStep = 0.045;    // metres between points of a grid
+constexpr float kAmbientReach = 0.9F;  // metres: beyond, nothing dims the ambient light
+constexpr int kLampGrid = 3;           // sample points along a lamp's sides
 
 RayCaster caster_of(const Site& site) {
   std::vector<glm::vec3> corners;
@@ -189,7 +189,9 @@ void Lighting::light_up(std::size_t face, const LightGrid& grid, const Moment& m
         if (o.part == part) continue;
         const Approach near = approach(p, p + normal * 1e-3F, o.a, o.b);
         const float d = std::max(near.distance, o.radius);
-        const glm::vec3 middle = o.a + (o.b - o.a) * std::clamp(glm::dot(p - o.a, o.b - o.a) / std::max(glm::dot(o.b - o.a, o.b - o.a), 1e-9F), 0.0F, 1.0F);
+        const glm::vec3 middle = o.a + (o.b - o.a) * std::clamp(glm::dot(p - o.a, o.b - o.a) /
+                                                                    std::max(glm::dot(o.b - o.a, o.b - o.a), 1e-9F),
+                                                                0.0F, 1.0F);
         const float above = std::clamp(glm::dot(normal, middle - p) / std::max(d, 1e-6F) * 0.8F + 0.2F, 0.0F, 1.0F);
         const float fade = 1 - smooth(0.6F * kAmbientReach, kAmbientReach, near.distance);
         light.ambient *= 1 - 0.75F * above * (o.radius / d) * (o.radius / d) * fade;

@@ -14,9 +14,9 @@ namespace foreview::synthetic {
 /// The light that falls on a face, on a coarse grid over its box in (u, v).
 struct LightGrid {
   glm::vec2 low{0}, cells_per_metre{1};
-  int across = 2, down = 2;          ///< points, at least 2 along each side
-  std::vector<glm::dvec3> points;    ///< part frame, just in front of the face
-  glm::dvec3 normal{0, 0, 1};        ///< part frame
+  int across = 2, down = 2;        ///< points, at least 2 along each side
+  std::vector<glm::dvec3> points;  ///< part frame, just in front of the face
+  glm::dvec3 normal{0, 0, 1};      ///< part frame
   struct Light {
     float ambient = 0;
     std::array<float, kMaxLights> lamps{};

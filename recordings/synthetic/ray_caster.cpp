@@ -23,9 +23,7 @@ std::uint32_t RayCaster::build(std::uint32_t begin, std::uint32_t end) {
   node.lower = glm::vec3(std::numeric_limits<float>::max());
   node.upper = -node.lower;
   glm::vec3 centre_lower = node.lower, centre_upper = node.upper;
-  const auto centre = [&](std::uint32_t t) {
-    return corners_[3 * t] + corners_[3 * t + 1] + corners_[3 * t + 2];
-  };
+  const auto centre = [&](std::uint32_t t) { return corners_[3 * t] + corners_[3 * t + 1] + corners_[3 * t + 2]; };
   for (std::uint32_t i = begin; i < end; ++i) {
     for (std::uint32_t k = 0; k < 3; ++k) {
       node.lower = glm::min(node.lower, corners_[3 * order_[i] + k]);

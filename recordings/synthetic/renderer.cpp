@@ -191,7 +191,8 @@ cv::Mat Renderer::render(const CameraModel& camera, const Pose& world_from_camer
       std::array<std::int32_t, kSamplesPerPixel> owner;
       for (std::size_t s = 0; s < kSamplesPerPixel; ++s) owner[s] = visibility.face[s][at];
       if (owner[0] >= 0 && owner[0] == owner[1] && owner[0] == owner[2] && owner[0] == owner[3]) {
-        colour = shade(shown[static_cast<std::size_t>(owner[0])], {rays.centre_x[at], rays.centre_y[at], 1}, across, down);
+        colour =
+            shade(shown[static_cast<std::size_t>(owner[0])], {rays.centre_x[at], rays.centre_y[at], 1}, across, down);
       } else {
         for (std::size_t s = 0; s < kSamplesPerPixel; ++s) {
           if (owner[s] < 0) continue;

@@ -15,27 +15,27 @@ namespace foreview::synthetic {
 
 /// What a surface looks like; evaluated by surface_colour().
 enum class Material {
-  paint,      ///< plain colour, a little mottled, scuffed
-  wood,       ///< grain along u
-  brick,      ///< courses of bricks, mortar in the second colour
-  floor,      ///< checkered stone tiles with speckle and joints
-  ceiling,    ///< perforated panels
-  metal,      ///< brushed along u, with a screw in every corner
-  carton,     ///< corrugated board with tape, print and a handling mark
-  label,      ///< plain body with a printed label: lettering and a bar code
-  hazard,     ///< diagonal stripes
-  poster,     ///< large shapes, a title and lines of text
-  spine,      ///< a book's or binder's back: title along v
-  marker,     ///< black and white squares, as for calibration
-  breadboard, ///< dark plate with a grid of holes
-  screen,     ///< a monitor's picture: curves, bars and text
-  cloth,      ///< woven check of two colours
-  lamp,       ///< gives light itself
+  paint,       ///< plain colour, a little mottled, scuffed
+  wood,        ///< grain along u
+  brick,       ///< courses of bricks, mortar in the second colour
+  floor,       ///< checkered stone tiles with speckle and joints
+  ceiling,     ///< perforated panels
+  metal,       ///< brushed along u, with a screw in every corner
+  carton,      ///< corrugated board with tape, print and a handling mark
+  label,       ///< plain body with a printed label: lettering and a bar code
+  hazard,      ///< diagonal stripes
+  poster,      ///< large shapes, a title and lines of text
+  spine,       ///< a book's or binder's back: title along v
+  marker,      ///< black and white squares, as for calibration
+  breadboard,  ///< dark plate with a grid of holes
+  screen,      ///< a monitor's picture: curves, bars and text
+  cloth,       ///< woven check of two colours
+  lamp,        ///< gives light itself
 };
 
 struct Surface {
   Material material = Material::paint;
-  glm::vec3 colour{0.7F};        ///< display values 0..1, RGB
+  glm::vec3 colour{0.7F};  ///< display values 0..1, RGB
   glm::vec3 second_colour{0.2F};
   std::uint32_t seed = 0;
   std::string text;
@@ -85,7 +85,9 @@ struct Site {
   std::function<std::vector<Pose>(double t)> world_from_part;
   std::vector<std::string> joint_names;
   std::function<std::vector<double>(double t)> joints;
-  bool closed_room = true;  ///< no ray misses: a model of it needs no backdrop
+  bool closed_room = true;  ///< the model hides everything behind it: it needs no backdrop
+  /// Faces and vertices from these on are scenery: in the pictures, but not in the model (what the backdrop is for).
+  std::size_t model_faces = 0, model_vertices = 0;
 };
 
 inline constexpr std::size_t kMaxLights = 3;

@@ -103,8 +103,8 @@ void SiteBuilder::lathe(std::uint32_t part, const Pose& part_from_solid, const s
   }
   for (std::size_t k = 0; k + 1 < rings.size(); ++k) {
     const double edge = 2 * std::max(rings[k].radius, rings[k + 1].radius) * std::sin(step / 2);
-    const double slant = std::hypot(rings[k + 1].height - rings[k].height,
-                                    (rings[k + 1].radius - rings[k].radius) * std::cos(step / 2));
+    const double slant =
+        std::hypot(rings[k + 1].height - rings[k].height, (rings[k + 1].radius - rings[k].radius) * std::cos(step / 2));
     for (int i = 0; i < sides; ++i) {
       const glm::dvec3 a = point(rings[k], i), b = point(rings[k], i + 1), d = point(rings[k + 1], i),
                        c = point(rings[k + 1], i + 1);
@@ -112,8 +112,8 @@ void SiteBuilder::lathe(std::uint32_t part, const Pose& part_from_solid, const s
       const glm::dvec3 up = glm::normalize((c + d) - (a + b));
       // Print runs on from face to face.
       const glm::dvec3 origin = 0.5 * (a + b) - right * (edge * (i + 0.5));
-      FaceSurface face{rings[k].surface,           part_from_solid * origin,   part_from_solid.rotate(right),
-                       part_from_solid.rotate(up), {edge * sides, slant}, -1};
+      FaceSurface face{rings[k].surface,           part_from_solid * origin, part_from_solid.rotate(right),
+                       part_from_solid.rotate(up), {edge * sides, slant},    -1};
       const auto here = static_cast<std::size_t>(i), next = (here + 1) % count;
       add_face(part, {rims[k][here], rims[k][next], rims[k + 1][next], rims[k + 1][here]}, face);
     }
@@ -121,12 +121,9 @@ void SiteBuilder::lathe(std::uint32_t part, const Pose& part_from_solid, const s
   for (const bool upper : {false, true}) {
     const Ring& ring = upper ? rings.back() : rings.front();
     const glm::dvec3 corner{-ring.radius, upper ? -ring.radius : ring.radius, ring.height};
-    FaceSurface face{upper ? upper_lid : lower_lid,
-                     part_from_solid * corner,
-                     part_from_solid.rotate({1, 0, 0}),
-                     part_from_solid.rotate({0, upper ? 1.0 : -1.0, 0}),
-                     {2 * ring.radius, 2 * ring.radius},
-                     -1};
+    FaceSurface face{upper ? upper_lid : lower_lid,      part_from_solid * corner,
+                     part_from_solid.rotate({1, 0, 0}),  part_from_solid.rotate({0, upper ? 1.0 : -1.0, 0}),
+                     {2 * ring.radius, 2 * ring.radius}, -1};
     std::vector<std::uint32_t> rim = upper ? rims.back() : rims.front();
     if (!upper) std::reverse(rim.begin(), rim.end());
     add_face(part, std::move(rim), face);

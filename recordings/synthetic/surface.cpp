@@ -121,7 +121,8 @@ vec3 ceiling(const Surface& s, vec2 p) {
 }
 
 vec3 metal(const Surface& s, vec2 p, vec2 size) {
-  const float brush = value_noise(p.x * 5, p.y * 190, s.seed) * 0.6F + value_noise(p.x * 2, p.y * 70, s.seed + 1) * 0.4F;
+  const float brush =
+      value_noise(p.x * 5, p.y * 190, s.seed) * 0.6F + value_noise(p.x * 2, p.y * 70, s.seed + 1) * 0.4F;
   vec3 c = s.colour * (0.76F + 0.48F * brush);
   const float smear = layered_noise(p.x * 7, p.y * 7, s.seed + 4, 2);
   c *= 0.85F + 0.3F * smear;
@@ -130,7 +131,8 @@ vec3 metal(const Surface& s, vec2 p, vec2 size) {
     c = mix(c, s.second_colour, disc(q, vec2(0.02F), 0.008F));
   }
   if (!s.text.empty()) {
-    const float dot = std::clamp(std::min(size.y / 16, size.x / (static_cast<float>(s.text.size()) * 7)), 0.0025F, 0.02F);
+    const float dot =
+        std::clamp(std::min(size.y / 16, size.x / (static_cast<float>(s.text.size()) * 7)), 0.0025F, 0.02F);
     const vec2 start{(size.x - lettering_width(s.text, dot)) / 2, size.y / 2 - 3.5F * dot};
     c = mix(c, s.second_colour, text(s.text, p, start, dot));
   }
@@ -147,7 +149,9 @@ vec3 carton(const Surface& s, vec2 p, vec2 size) {
   c = mix(c, s.second_colour, text(s.text, p, {size.x * 0.08F, size.y * 0.72F}, dot));
   const vec2 mark{size.x * 0.82F, size.y * 0.22F};
   const float r = std::min(size.x, size.y) * 0.12F;
-  c = mix(c, s.second_colour, std::max(ring(p, mark, r, 0.008F), rectangle(p, mark - vec2(0.004F, r * 0.6F), mark + vec2(0.004F, r * 0.6F))));
+  c = mix(
+      c, s.second_colour,
+      std::max(ring(p, mark, r, 0.008F), rectangle(p, mark - vec2(0.004F, r * 0.6F), mark + vec2(0.004F, r * 0.6F))));
   const vec2 label_lo{size.x * 0.08F, size.y * 0.10F}, label_hi{size.x * 0.55F, size.y * 0.38F};
   c = mix(c, vec3(0.93F), rectangle(p, label_lo, label_hi));
   return mix(c, vec3(0.08F), bar_code(p, label_lo + vec2(0.01F), {label_hi.x - 0.01F, label_hi.y - 0.012F}, s.seed));
@@ -177,7 +181,8 @@ vec3 hazard(const Surface& s, vec2 p) {
 
 vec3 poster(const Surface& s, vec2 p, vec2 size) {
   const vec2 q = p / size;
-  vec3 c = mix(s.colour, s.second_colour, smooth(0.1F, 0.9F, q.y + 0.15F * std::sin(q.x * 5 + static_cast<float>(s.seed))));
+  vec3 c =
+      mix(s.colour, s.second_colour, smooth(0.1F, 0.9F, q.y + 0.15F * std::sin(q.x * 5 + static_cast<float>(s.seed))));
   for (int i = 0; i < 7; ++i) {
     const vec2 centre{size.x * chance(i, 1, s.seed), size.y * (0.3F + 0.55F * chance(i, 2, s.seed))};
     const float r = std::min(size.x, size.y) * (0.06F + 0.16F * chance(i, 3, s.seed));
@@ -188,7 +193,8 @@ vec3 poster(const Surface& s, vec2 p, vec2 size) {
   }
   const float strip = band(p.y, size.y * 0.06F, size.y * 0.26F);
   c = mix(c, vec3(0.95F, 0.94F, 0.90F), strip);
-  c = mix(c, vec3(0.1F), 0.85F * small_print(p, {size.x * 0.07F, size.y * 0.08F}, {size.x * 0.93F, size.y * 0.24F}, 0.018F, s.seed));
+  c = mix(c, vec3(0.1F),
+          0.85F * small_print(p, {size.x * 0.07F, size.y * 0.08F}, {size.x * 0.93F, size.y * 0.24F}, 0.018F, s.seed));
   const float dot = size.x * 0.86F / std::max(lettering_width(s.text, 1), 1.0F);
   c = mix(c, vec3(0.98F), rectangle(p, {0, size.y * 0.86F}, {size.x, size.y}));
   c = mix(c, vec3(0.75F, 0.1F, 0.1F), text(s.text, p, {size.x * 0.07F, size.y * 0.93F - 3.5F * dot}, dot));
@@ -198,13 +204,16 @@ vec3 poster(const Surface& s, vec2 p, vec2 size) {
 
 vec3 spine(const Surface& s, vec2 p, vec2 size) {
   vec3 c = s.colour * (0.9F + 0.2F * layered_noise(p.x * 40, p.y * 12, s.seed, 2));
-  c = mix(c, vec3(0.93F, 0.92F, 0.86F), rectangle(p, {size.x * 0.14F, size.y * 0.42F}, {size.x * 0.86F, size.y * 0.9F}));
-  const float dot = std::clamp(std::min(size.x * 0.5F / 7, size.y * 0.44F / std::max(lettering_width(s.text, 1), 1.0F)), 0.002F, 0.01F);
+  c = mix(c, vec3(0.93F, 0.92F, 0.86F),
+          rectangle(p, {size.x * 0.14F, size.y * 0.42F}, {size.x * 0.86F, size.y * 0.9F}));
+  const float dot = std::clamp(std::min(size.x * 0.5F / 7, size.y * 0.44F / std::max(lettering_width(s.text, 1), 1.0F)),
+                               0.002F, 0.01F);
   // Lettering that reads upwards: turn the plane by a quarter.
   const vec2 turned{p.y, size.x - p.x};
   c = mix(c, s.second_colour, text(s.text, turned, {size.y * 0.45F, size.x / 2 - 3.5F * dot}, dot));
   c = mix(c, s.second_colour, disc(p, {size.x / 2, size.y * 0.2F}, std::min(0.02F, size.x * 0.3F)));
-  return mix(c, s.second_colour, std::max(band(p.y, size.y * 0.06F, size.y * 0.09F), band(p.y, size.y * 0.34F, size.y * 0.37F)));
+  return mix(c, s.second_colour,
+             std::max(band(p.y, size.y * 0.06F, size.y * 0.09F), band(p.y, size.y * 0.34F, size.y * 0.37F)));
 }
 
 vec3 marker(const Surface& s, vec2 p, vec2 size) {
@@ -259,22 +268,54 @@ vec3 cloth(const Surface& s, vec2 p) {
 glm::vec3 surface_colour(const Surface& s, const glm::vec2& uv, const glm::vec2& size) {
   vec3 c{0};
   switch (s.material) {
-    case Material::paint: c = paint(s, uv); break;
-    case Material::wood: c = wood(s, uv); break;
-    case Material::brick: c = brick(s, uv); break;
-    case Material::floor: c = floor_tiles(s, uv); break;
-    case Material::ceiling: c = ceiling(s, uv); break;
-    case Material::metal: c = metal(s, uv, size); break;
-    case Material::carton: c = carton(s, uv, size); break;
-    case Material::label: c = label(s, uv, size); break;
-    case Material::hazard: c = hazard(s, uv); break;
-    case Material::poster: c = poster(s, uv, size); break;
-    case Material::spine: c = spine(s, uv, size); break;
-    case Material::marker: c = marker(s, uv, size); break;
-    case Material::breadboard: c = breadboard(s, uv); break;
-    case Material::screen: c = screen(s, uv, size); break;
-    case Material::cloth: c = cloth(s, uv); break;
-    case Material::lamp: c = s.colour; break;
+    case Material::paint:
+      c = paint(s, uv);
+      break;
+    case Material::wood:
+      c = wood(s, uv);
+      break;
+    case Material::brick:
+      c = brick(s, uv);
+      break;
+    case Material::floor:
+      c = floor_tiles(s, uv);
+      break;
+    case Material::ceiling:
+      c = ceiling(s, uv);
+      break;
+    case Material::metal:
+      c = metal(s, uv, size);
+      break;
+    case Material::carton:
+      c = carton(s, uv, size);
+      break;
+    case Material::label:
+      c = label(s, uv, size);
+      break;
+    case Material::hazard:
+      c = hazard(s, uv);
+      break;
+    case Material::poster:
+      c = poster(s, uv, size);
+      break;
+    case Material::spine:
+      c = spine(s, uv, size);
+      break;
+    case Material::marker:
+      c = marker(s, uv, size);
+      break;
+    case Material::breadboard:
+      c = breadboard(s, uv);
+      break;
+    case Material::screen:
+      c = screen(s, uv, size);
+      break;
+    case Material::cloth:
+      c = cloth(s, uv);
+      break;
+    case Material::lamp:
+      c = s.colour;
+      break;
   }
   return glm::clamp(c, 0.0F, 1.0F);
 }

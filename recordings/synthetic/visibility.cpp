@@ -32,8 +32,8 @@ std::vector<RayTable::Bounds> bounds_of(const RayTable& rays, int block, int& ac
       RayTable::Bounds b{kFar, -kFar, kFar, -kFar};
       for (int y = by * block; y < std::min(rays.height, (by + 1) * block); ++y) {
         for (int x = bx * block; x < std::min(rays.stride, (bx + 1) * block); ++x) {
-          const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(rays.stride) +
-                                 static_cast<std::size_t>(x);
+          const std::size_t at =
+              static_cast<std::size_t>(y) * static_cast<std::size_t>(rays.stride) + static_cast<std::size_t>(x);
           for (std::size_t s = 0; s < kSamplesPerPixel; ++s) {
             b.low_x = std::min(b.low_x, rays.x[s][at]);
             b.high_x = std::max(b.high_x, rays.x[s][at]);
@@ -105,8 +105,8 @@ void Visibility::draw(const RayTable& rays, const ViewFace& view) {
       if (edges[i].least(bounds) < 0) cutting[cuts++] = edges[i];
     }
     for (int row = by * kBlock; row < std::min(rays.height, (by + 1) * kBlock); ++row) {
-      const std::size_t start = static_cast<std::size_t>(row) * static_cast<std::size_t>(rays.stride) +
-                                static_cast<std::size_t>(bx * kBlock);
+      const std::size_t start =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(rays.stride) + static_cast<std::size_t>(bx * kBlock);
       for (std::size_t s = 0; s < kSamplesPerPixel; ++s) {
         const float* const xs = &rays.x[s][start];
         const float* const ys = &rays.y[s][start];

@@ -10,8 +10,8 @@
 namespace foreview::synthetic {
 
 inline constexpr int kSamplesPerPixel = 4;
-inline constexpr int kBlock = 8;          ///< pixels, finest step of the search
-inline constexpr int kSuperBlock = 64;    ///< pixels, first step of the search
+inline constexpr int kBlock = 8;        ///< pixels, finest step of the search
+inline constexpr int kSuperBlock = 64;  ///< pixels, first step of the search
 
 /// Where a camera's samples look, lens distortion taken out: rays (x, y, 1) in the optical frame. Four samples a pixel
 /// on a rotated grid, and the pixel's centre. Rows are padded to whole blocks.
@@ -43,7 +43,7 @@ struct Visibility {
   /// Draws one face; back faces are left out (solids are closed).
   void draw(const RayTable& rays, const ViewFace& face);
 
-  std::array<std::vector<float>, kSamplesPerPixel> inverse_z;     ///< 1/m, 0 where nothing is
+  std::array<std::vector<float>, kSamplesPerPixel> inverse_z;    ///< 1/m, 0 where nothing is
   std::array<std::vector<std::int32_t>, kSamplesPerPixel> face;  ///< id, or -1
 };
 

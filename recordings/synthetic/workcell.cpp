@@ -21,7 +21,7 @@ const glm::dvec3 kRoom{5.0, 4.5, 2.5};
 const Pose kWorldFromArm = placed({2.5, 3.30, kBenchTop});
 
 // The workpiece: where it stands first and last, and how it is held.
-const glm::dvec3 kPickPlace{2.02, 2.84, kBenchTop}, kPutPlace{3.02, 2.72, kBenchTop};
+const glm::dvec3 kPickPlace{2.02, 2.84, kBenchTop}, kPutPlace{2.96, 2.78, kBenchTop};
 constexpr double kGripHeight = 0.095, kWorkpieceRadius = 0.036, kOpen = 0.11;
 constexpr double kGrasp = 2.9, kRelease = 7.2;  // seconds: fingers closed from, to
 
@@ -33,21 +33,32 @@ Pose tool_at(const glm::dvec3& position, double yaw) {
 Pose world_from_tool(double t) {
   const glm::dvec3 up{0, 0, 1};
   const glm::dvec3 pick = kPickPlace + up * kGripHeight, put = kPutPlace + up * kGripHeight;
-  static const std::vector<Key<glm::dvec3>> kWay{{0.0, {2.55, 2.70, 1.25}},    {1.5, pick + up * 0.28},
-                                                 {2.4, pick},                  {kGrasp, pick},
-                                                 {3.9, pick + up * 0.34},      {5.2, {2.45, 2.62, 1.42}},
-                                                 {6.2, put + up * 0.26},       {7.0, put},
-                                                 {kRelease + 0.4, put},        {8.4, put + up * 0.30},
-                                                 {9.8, {2.20, 2.72, 1.38}},    {11.2, {2.85, 2.66, 1.12}},
-                                                 {12.9, {2.45, 2.60, 1.30}}};
-  static const std::vector<Key<double>> kYaw{{0.0, 0.3},  {1.5, 0.9},  {kGrasp, 0.9}, {5.2, -0.4}, {6.2, -0.9},
-                                             {8.4, -0.9}, {9.8, 0.7},  {11.2, -0.5},  {12.9, 0.2}};
+  static const std::vector<Key<glm::dvec3>> kWay{{0.0, {2.55, 2.70, 1.25}},
+                                                 {1.5, pick + up * 0.28},
+                                                 {2.4, pick},
+                                                 {kGrasp, pick},
+                                                 {3.9, pick + up * 0.34},
+                                                 {5.2, {2.45, 2.62, 1.30}},
+                                                 {6.2, put + up * 0.26},
+                                                 {7.0, put},
+                                                 {kRelease + 0.4, put},
+                                                 {8.4, put + up * 0.30},
+                                                 {9.8, {2.20, 2.72, 1.25}},
+                                                 {11.2, {2.85, 2.66, 1.12}},
+                                                 {12.9, {2.45, 2.66, 1.28}}};
+  static const std::vector<Key<double>> kYaw{{0.0, 0.3},  {1.5, 0.9}, {kGrasp, 0.9}, {5.2, -0.4}, {6.2, -0.9},
+                                             {8.4, -0.9}, {9.8, 0.7}, {11.2, -0.5},  {12.9, 0.2}};
   return tool_at(stop_and_go(kWay, t), stop_and_go(kYaw, t));
 }
 
 double opening(double t) {
-  static const std::vector<Key<double>> kKeys{{0.0, 0.06}, {1.2, kOpen},          {2.45, kOpen},        {kGrasp, 2 * kWorkpieceRadius * 0.97},
-                                              {kRelease, 2 * kWorkpieceRadius * 0.97}, {kRelease + 0.4, kOpen}, {9.5, 0.05}};
+  static const std::vector<Key<double>> kKeys{{0.0, 0.06},
+                                              {1.2, kOpen},
+                                              {2.45, kOpen},
+                                              {kGrasp, 2 * kWorkpieceRadius * 0.97},
+                                              {kRelease, 2 * kWorkpieceRadius * 0.97},
+                                              {kRelease + 0.4, kOpen},
+                                              {9.5, 0.05}};
   return stop_and_go(kKeys, t);
 }
 
@@ -66,14 +77,15 @@ Pose world_from_workpiece(double t) {
 /// The head: pan to the left positive, tilt upwards positive, radians; its carriage rolls in front of the bench.
 Pose world_from_head(double t) {
   static const std::vector<Key<glm::dvec3>> kWay{
-      {-1.0, {3.3, 1.25, 1.50}}, {0.0, {3.05, 1.20, 1.50}}, {1.6, {1.85, 1.45, 1.35}}, {3.2, {3.15, 1.15, 1.60}},
-      {4.8, {1.95, 1.50, 1.45}}, {6.4, {3.05, 1.20, 1.30}}, {8.0, {1.70, 1.40, 1.60}}, {9.4, {1.35, 1.55, 1.45}},
+      {-1.0, {3.3, 1.25, 1.50}},  {0.0, {3.05, 1.20, 1.50}},  {1.6, {1.85, 1.45, 1.35}}, {3.2, {3.15, 1.15, 1.60}},
+      {4.8, {1.95, 1.50, 1.45}},  {6.4, {3.05, 1.20, 1.30}},  {8.0, {1.70, 1.40, 1.60}}, {9.4, {1.35, 1.55, 1.45}},
       {11.0, {2.60, 1.25, 1.55}}, {12.8, {3.10, 1.35, 1.40}}, {13.8, {3.3, 1.2, 1.4}}};
   static const std::vector<Key<glm::dvec2>> kLook{
-      {-1.0, {-0.5, -0.2}}, {0.0, {-0.25, -0.22}}, {0.8, {0.35, -0.38}}, {1.6, {-0.30, -0.18}}, {2.4, {0.10, -0.42}},
-      {3.2, {0.55, -0.15}}, {4.0, {-0.20, -0.30}}, {4.8, {-0.55, -0.10}}, {5.6, {0.15, -0.40}}, {6.4, {0.50, -0.22}},
-      {7.2, {-0.15, -0.05}}, {8.0, {0.45, -0.35}}, {8.8, {1.15, -0.15}}, {9.4, {1.57, -0.05}}, {10.0, {1.30, -0.25}},
-      {11.0, {0.30, -0.35}}, {11.9, {-0.35, -0.15}}, {12.8, {0.20, -0.30}}, {13.8, {0.4, -0.2}}};
+      {-1.0, {-0.5, -0.2}},   {0.0, {-0.25, -0.22}}, {0.8, {0.35, -0.38}},  {1.6, {-0.30, -0.18}},
+      {2.4, {0.10, -0.42}},   {3.2, {0.55, -0.15}},  {4.0, {-0.20, -0.30}}, {4.8, {-0.55, -0.10}},
+      {5.6, {0.15, -0.40}},   {6.4, {0.50, -0.22}},  {7.2, {-0.15, -0.05}}, {8.0, {0.45, -0.35}},
+      {8.8, {1.15, -0.15}},   {9.4, {1.57, -0.05}},  {10.0, {1.30, -0.25}}, {11.0, {0.30, -0.35}},
+      {11.9, {-0.35, -0.15}}, {12.8, {0.20, -0.30}}, {13.8, {0.4, -0.2}}};
   const glm::dvec3 eye = smooth_through(kWay, t);
   const glm::dvec2 look = smooth_through(kLook, t);
   const glm::dvec3 forward{-std::sin(look.x) * std::cos(look.y), std::cos(look.x) * std::cos(look.y), std::sin(look.y)};
@@ -102,16 +114,18 @@ Site make_workcell_site() {
   WorkcellThings things(site, builder, room);
   things.build_shell(kRoom);
   things.build_bench({2.5, 3.0}, {2.4, 1.0}, kBenchTop);
-  things.build_shelf({0.4, 4.19}, 4.2);
+  things.build_shelf({0.85, 4.19}, 3.3);
   things.build_side_rack();
   things.build_machine();
 
   const arm::Parts parts = arm::build(site, builder, room, kWorldFromArm);
   const std::uint32_t workpiece = builder.part("workpiece", true);
   builder.begin_object();
-  const std::uint32_t body = builder.surface({Material::label, {0.16F, 0.42F, 0.70F}, {0.80F, 0.15F, 0.12F}, 50, "COOLANT"});
+  const std::uint32_t body =
+      builder.surface({Material::label, {0.16F, 0.42F, 0.70F}, {0.80F, 0.15F, 0.12F}, 50, "COOLANT"});
   const std::uint32_t lid = builder.surface({Material::paint, {0.85F, 0.83F, 0.20F}, {0, 0, 0}, 51, ""});
-  builder.lathe(workpiece, {}, {{kWorkpieceRadius, 0, body}, {kWorkpieceRadius, 0.125, lid}, {0.018, 0.15, lid}, {0.018, 0.168, lid}},
+  builder.lathe(workpiece, {},
+                {{kWorkpieceRadius, 0, body}, {kWorkpieceRadius, 0.125, lid}, {0.018, 0.15, lid}, {0.018, 0.168, lid}},
                 12, lid, lid);
   builder.end_object();
   site.moving_occluders.push_back({workpiece, {0, 0, 0.03}, {0, 0, 0.13}, kWorkpieceRadius});
@@ -120,9 +134,12 @@ Site make_workcell_site() {
   const auto slow = [](double phase, double strength) {
     return [=](double t) { return 1 + strength * std::sin(2 * std::numbers::pi * t / 17.0 + phase); };
   };
-  site.lights.push_back({{1.5, 2.3, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.25, slow(0.0, 0.10)});
-  site.lights.push_back({{3.5, 2.0, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.25, slow(0.0, 0.10)});
-  site.lights.push_back({{4.0, 0.06, 1.6}, {0.5, 0, 0}, {0, 0, 0.45}, {0, 1, 0}, {0.80F, 0.90F, 1.0F}, 2.2, slow(1.6, 0.12)});
+  site.lights.push_back(
+      {{1.5, 2.3, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.25, slow(0.0, 0.10)});
+  site.lights.push_back(
+      {{3.5, 2.0, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.25, slow(0.0, 0.10)});
+  site.lights.push_back(
+      {{4.0, 0.06, 1.6}, {0.5, 0, 0}, {0, 0, 0.45}, {0, 1, 0}, {0.80F, 0.90F, 1.0F}, 2.2, slow(1.6, 0.12)});
   site.ambient = {0.40F, 0.41F, 0.43F};
   site.ambient_over_time = slow(0.6, 0.10);
 
@@ -146,7 +163,10 @@ Site make_workcell_site() {
     result.push_back(opening(t));
     return result;
   };
-  assert(site.mesh.faces.size() == kPolygons);
+  site.model_faces = site.mesh.faces.size();
+  site.model_vertices = site.mesh.vertices.size();
+  assert(site.model_faces == kPolygons);
+
   return site;
 }
 

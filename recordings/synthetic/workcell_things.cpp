@@ -13,8 +13,9 @@ namespace {
 using glm::dvec3;
 using glm::vec3;
 
-constexpr std::array<const char*, 14> kNames{"M6 BOLTS", "SENSORS", "CABLE 5M", "SPARES",  "FILTER",  "VALVES",  "BEARING",
-                                             "RELAYS",   "GASKET",  "MOTOR 24V", "TOOLS", "PUMP-3",  "SEALS",   "FUSES"};
+constexpr std::array<const char*, 14> kNames{"M6 BOLTS", "SENSORS", "CABLE 5M", "SPARES", "FILTER",
+                                             "VALVES",   "BEARING", "RELAYS",   "GASKET", "MOTOR 24V",
+                                             "TOOLS",    "PUMP-3",  "SEALS",    "FUSES"};
 
 /// Foot in the middle of the underside.
 Pose standing(const dvec3& foot, const dvec3& size, double yaw) {
@@ -31,8 +32,14 @@ float WorkcellThings::dice() {
 }
 
 vec3 WorkcellThings::bright_colour() {
-  static const std::array<vec3, 8> kColours{{{0.75F, 0.18F, 0.15F}, {0.15F, 0.38F, 0.65F}, {0.18F, 0.50F, 0.28F}, {0.88F, 0.70F, 0.15F},
-                                             {0.82F, 0.82F, 0.80F}, {0.20F, 0.21F, 0.24F}, {0.85F, 0.42F, 0.12F}, {0.35F, 0.62F, 0.66F}}};
+  static const std::array<vec3, 8> kColours{{{0.75F, 0.18F, 0.15F},
+                                             {0.15F, 0.38F, 0.65F},
+                                             {0.18F, 0.50F, 0.28F},
+                                             {0.88F, 0.70F, 0.15F},
+                                             {0.82F, 0.82F, 0.80F},
+                                             {0.20F, 0.21F, 0.24F},
+                                             {0.85F, 0.42F, 0.12F},
+                                             {0.35F, 0.62F, 0.66F}}};
   return kColours[static_cast<std::size_t>(dice() * 7.999F)];
 }
 
@@ -40,8 +47,9 @@ void WorkcellThings::carton(const dvec3& foot, const dvec3& size, double yaw) {
   builder_.begin_object();
   const vec3 board = vec3(0.66F, 0.49F, 0.31F) * (0.8F + 0.4F * dice());
   const auto name = kNames[static_cast<std::size_t>(dice() * 13.99F)];
-  builder_.box(part_, standing(foot, size, yaw), size,
-               builder_.surface({Material::carton, board, dice() > 0.5F ? vec3(0.12F) : vec3(0.65F, 0.1F, 0.1F), 0, name}));
+  builder_.box(
+      part_, standing(foot, size, yaw), size,
+      builder_.surface({Material::carton, board, dice() > 0.5F ? vec3(0.12F) : vec3(0.65F, 0.1F, 0.1F), 0, name}));
   builder_.end_object();
 }
 
@@ -70,7 +78,11 @@ void WorkcellThings::bottle(const dvec3& foot, double radius, double height, int
   const auto name = kNames[static_cast<std::size_t>(dice() * 13.99F)];
   const std::uint32_t body = builder_.surface({Material::label, bright_colour(), bright_colour(), 0, name});
   const std::uint32_t cap = builder_.surface({Material::paint, bright_colour(), vec3(0), 0, ""});
-  builder_.lathe(part_, placed(foot, dice() * 6), {{radius, 0, body}, {radius, height * 0.72, body}, {radius * 0.45, height * 0.86, cap}, {radius * 0.45, height, cap}},
+  builder_.lathe(part_, placed(foot, dice() * 6),
+                 {{radius, 0, body},
+                  {radius, height * 0.72, body},
+                  {radius * 0.45, height * 0.86, cap},
+                  {radius * 0.45, height, cap}},
                  sides, cap, cap);
   builder_.end_object();
 }
@@ -88,31 +100,31 @@ void WorkcellThings::row(const dvec3& start, double length, double depth, double
   double x = 0.03;
   while (x < length - 0.08) {
     const float kind = dice();
-    const double gap = 0.012 + 0.05 * dice();
+    const double gap = 0.05 + 0.22 * dice();
     const double tall = headroom * (0.55 + 0.35 * dice());
-    if (kind < 0.30F) {
-      const double w = std::min(0.16 + 0.20 * dice(), length - x);
+    if (kind < 0.40F) {
+      const double w = std::min(0.20 + 0.22 * dice(), length - x);
       carton(start + dvec3(x + w / 2, depth * 0.5, 0), {w, depth * 0.8, tall}, 0.12 * (dice() - 0.5));
       x += w + gap;
-    } else if (kind < 0.48F) {
-      const int count = 2 + static_cast<int>(dice() * 3);
+    } else if (kind < 0.57F) {
+      const int count = 2 + static_cast<int>(dice() * 2);
       for (int i = 0; i < count && x < length - 0.06; ++i) {
         const double w = 0.05 + 0.025 * dice();
         binder(start + dvec3(x + w / 2, depth * 0.45, 0), {w, depth * 0.75, headroom * 0.86});
         x += w + 0.004;
       }
       x += gap;
-    } else if (kind < 0.66F) {
-      const double w = std::min(0.18 + 0.12 * dice(), length - x);
+    } else if (kind < 0.80F) {
+      const double w = std::min(0.20 + 0.15 * dice(), length - x);
       bin(start + dvec3(x + w / 2, depth * 0.5, 0), {w, depth * 0.85, tall * 0.7}, 0);
       x += w + gap;
-    } else if (kind < 0.84F) {
+    } else if (kind < 0.91F) {
       const double r = 0.035 + 0.02 * dice();
-      bottle(start + dvec3(x + r, depth * (0.35 + 0.2 * dice()), 0), r, std::min(tall, 0.30), 10);
+      bottle(start + dvec3(x + r, depth * (0.35 + 0.2 * dice()), 0), r, std::min(tall, 0.30), 8);
       x += 2 * r + gap;
     } else {
       const double r = 0.045 + 0.03 * dice();
-      can(start + dvec3(x + r, depth * (0.35 + 0.2 * dice()), 0), r, tall * 0.6, 12);
+      can(start + dvec3(x + r, depth * (0.35 + 0.2 * dice()), 0), r, tall * 0.6, 10);
       x += 2 * r + gap;
     }
   }
@@ -153,15 +165,19 @@ void WorkcellThings::build_bench(const glm::dvec2& centre, const glm::dvec2& siz
   builder_.box(part_, placed({centre, height - 0.03}), {size, 0.06}, {edge, top}, {6, 3, 1});
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
-      builder_.box(part_, placed({centre.x + sx * (size.x / 2 - 0.06), centre.y + sy * (size.y / 2 - 0.06), (height - 0.06) / 2}),
-                   {0.07, 0.07, height - 0.06}, steel, {1, 1, 2});
+      builder_.box(
+          part_,
+          placed({centre.x + sx * (size.x / 2 - 0.06), centre.y + sy * (size.y / 2 - 0.06), (height - 0.06) / 2}),
+          {0.07, 0.07, height - 0.06}, steel, {1, 1, 2});
     }
   }
   builder_.box(part_, placed({centre.x, centre.y, 0.22}), {size.x - 0.2, size.y - 0.2, 0.03}, steel, {5, 2, 1});
-  for (int i = 0; i < 3; ++i) carton({centre.x - 0.7 + i * 0.65, centre.y - 0.05, 0.235}, {0.42, 0.5, 0.30 + 0.04 * i}, 0.1 * i);
+  for (int i = 0; i < 3; ++i)
+    carton({centre.x - 0.7 + i * 0.65, centre.y - 0.05, 0.235}, {0.42, 0.5, 0.30 + 0.04 * i}, 0.1 * i);
 
   // What lies on the bench, around the arm's places.
-  const std::uint32_t plate = builder_.surface({Material::breadboard, {0.17F, 0.18F, 0.21F}, {0.55F, 0.56F, 0.6F}, 0, ""});
+  const std::uint32_t plate =
+      builder_.surface({Material::breadboard, {0.17F, 0.18F, 0.21F}, {0.55F, 0.56F, 0.6F}, 0, ""});
   builder_.begin_object();
   builder_.box(part_, placed({2.45, 2.78, height + 0.008}), {0.40, 0.40, 0.016}, {steel, plate});
   builder_.end_object();
@@ -177,22 +193,24 @@ void WorkcellThings::build_bench(const glm::dvec2& centre, const glm::dvec2& siz
   bin({1.55, 3.10, height}, {0.26, 0.18, 0.14}, -0.2);
   carton({3.35, 3.20, height}, {0.30, 0.24, 0.22}, 0.3);
   carton({1.95, 3.25, height}, {0.22, 0.20, 0.17}, -0.4);
-  bottle({2.10, 2.62, height}, 0.04, 0.20, 12);
-  bottle({2.86, 2.98, height}, 0.045, 0.24, 12);
-  bottle({3.18, 2.95, height}, 0.036, 0.18, 10);
-  can({1.78, 2.90, height}, 0.055, 0.12, 14);
-  can({2.72, 2.62, height}, 0.040, 0.09, 12);
-  can({3.22, 2.60, height}, 0.05, 0.11, 12);
+  bottle({1.86, 2.64, height}, 0.04, 0.20, 10);
+  bottle({2.80, 3.05, height}, 0.045, 0.24, 10);
+  bottle({3.20, 2.97, height}, 0.036, 0.18, 8);
+  can({1.74, 2.92, height}, 0.055, 0.12, 10);
+  can({2.72, 2.60, height}, 0.040, 0.09, 10);
+  can({3.24, 2.58, height}, 0.05, 0.11, 10);
   const std::uint32_t hex = builder_.surface({Material::metal, {0.68F, 0.62F, 0.45F}, {0.3F, 0.3F, 0.3F}, 0, "M24"});
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 3; ++i) {
     builder_.begin_object();
-    builder_.prism(part_, placed({2.34 + 0.09 * i, 2.70 + 0.05 * (i % 2), height + 0.016}, i), 0.032, 0, 0.035, 6, hex, hex);
+    builder_.prism(part_, placed({2.34 + 0.09 * i, 2.70 + 0.05 * (i % 2), height + 0.016}, i), 0.032, 0, 0.035, 6, hex,
+                   hex);
     builder_.end_object();
   }
   // A monitor on its foot.
   const std::uint32_t black = builder_.surface({Material::paint, {0.13F, 0.13F, 0.14F}, vec3(0), 0, ""});
   SiteBuilder::BoxSurfaces monitor(black);
-  monitor.front = builder_.surface({Material::screen, {0.06F, 0.09F, 0.16F}, {0.10F, 0.18F, 0.30F}, 0, "ARM READY 24.8"});
+  monitor.front =
+      builder_.surface({Material::screen, {0.06F, 0.09F, 0.16F}, {0.10F, 0.18F, 0.30F}, 0, "ARM READY 24.8"});
   builder_.begin_object();
   builder_.box(part_, placed({3.05, 3.36, height + 0.30}, 0.15), {0.52, 0.04, 0.34}, monitor, {2, 1, 1});
   builder_.box(part_, placed({3.05, 3.38, height + 0.065}, 0.15), {0.06, 0.03, 0.13}, black);
@@ -203,22 +221,28 @@ void WorkcellThings::build_shelf(const glm::dvec2& corner, double length) {
   const std::uint32_t board = builder_.surface({Material::wood, {0.62F, 0.45F, 0.28F}, {0.36F, 0.23F, 0.13F}, 0, ""});
   const std::uint32_t upright = builder_.surface({Material::metal, {0.32F, 0.36F, 0.42F}, {0.1F, 0.1F, 0.1F}, 0, ""});
   constexpr double kDepth = 0.30;
-  const std::array<double, 5> heights{0.25, 0.72, 1.16, 1.60, 2.02};
+  constexpr int kBays = 2;
+  const std::array<double, 4> heights{0.28, 0.78, 1.27, 1.75};
   for (const double z : heights) {
-    builder_.box(part_, placed({corner.x + length / 2, corner.y + kDepth / 2, z}), {length, kDepth, 0.03}, board, {9, 1, 1});
+    builder_.box(part_, placed({corner.x + length / 2, corner.y + kDepth / 2, z}), {length, kDepth, 0.03}, board,
+                 {8, 1, 1});
   }
-  for (int i = 0; i < 4; ++i) {
-    builder_.box(part_, placed({corner.x - 0.02 + i * (length + 0.04) / 3, corner.y + kDepth / 2, 1.04}), {0.03, kDepth + 0.01, 2.08}, upright, {1, 1, 5});
+  const double bay = (length + 0.04) / kBays;
+  for (int i = 0; i <= kBays; ++i) {
+    builder_.box(part_, placed({corner.x - 0.02 + i * bay, corner.y + kDepth / 2, 1.04}), {0.03, kDepth + 0.01, 2.08},
+                 upright, {1, 1, 4});
   }
-  const double bay = (length + 0.04) / 3;
   for (std::size_t level = 0; level < heights.size(); ++level) {
-    const double headroom = level + 1 < heights.size() ? heights[level + 1] - heights[level] - 0.05 : 0.34;
-    for (int b = 0; b < 3; ++b) row({corner.x + b * bay, corner.y, heights[level] + 0.015}, bay - 0.05, kDepth, headroom);
+    const double headroom = level + 1 < heights.size() ? heights[level + 1] - heights[level] - 0.05 : 0.40;
+    for (int b = 0; b < kBays; ++b) {
+      row({corner.x + b * bay, corner.y, heights[level] + 0.015}, bay - 0.05, kDepth, headroom);
+    }
   }
 }
 
 void WorkcellThings::build_side_rack() {
-  const std::uint32_t steel = builder_.surface({Material::metal, {0.55F, 0.30F, 0.25F}, {0.2F, 0.2F, 0.2F}, 0, "RACK 2"});
+  const std::uint32_t steel =
+      builder_.surface({Material::metal, {0.55F, 0.30F, 0.25F}, {0.2F, 0.2F, 0.2F}, 0, "RACK 2"});
   // Low, along the left wall.
   for (const double z : {0.45, 0.90}) {
     builder_.box(part_, placed({0.22, 3.0, z}), {0.36, 1.5, 0.03}, steel, {1, 3, 1});
@@ -237,10 +261,12 @@ void WorkcellThings::build_side_rack() {
 void WorkcellThings::build_machine() {
   // A control cabinet in the right corner.
   const std::uint32_t shell = builder_.surface({Material::metal, {0.70F, 0.72F, 0.70F}, {0.15F, 0.2F, 0.35F}, 0, ""});
-  const std::uint32_t side = builder_.surface({Material::poster, {0.60F, 0.66F, 0.66F}, {0.40F, 0.46F, 0.52F}, 0, "CONTROL"});
+  const std::uint32_t side =
+      builder_.surface({Material::poster, {0.60F, 0.66F, 0.66F}, {0.40F, 0.46F, 0.52F}, 0, "CONTROL"});
   SiteBuilder::BoxSurfaces cabinet(side, shell);
   builder_.box(part_, placed({4.55, 2.6, 0.80}), {0.6, 0.9, 1.6}, cabinet, {2, 2, 4});
-  const std::uint32_t stripe = builder_.surface({Material::hazard, {0.93F, 0.76F, 0.12F}, {0.10F, 0.10F, 0.10F}, 0, ""});
+  const std::uint32_t stripe =
+      builder_.surface({Material::hazard, {0.93F, 0.76F, 0.12F}, {0.10F, 0.10F, 0.10F}, 0, ""});
   builder_.box(part_, placed({4.55, 2.6, 1.63}), {0.5, 0.8, 0.06}, stripe, {1, 2, 1});
   for (int i = 0; i < 3; ++i) can({4.42 + 0.1 * (i % 2), 2.32 + 0.27 * i, 1.66}, 0.07, 0.22, 14);
   carton({4.5, 1.6, 0.0}, {0.5, 0.45, 0.42}, 0.2);
@@ -250,15 +276,15 @@ void WorkcellThings::build_machine() {
 
 void WorkcellThings::fill_up_to(std::size_t faces) {
   // Drums and canisters on the floor by the front wall, stacked where it takes many.
+  const auto left = [&] { return static_cast<int>(faces) - static_cast<int>(builder_.face_count()); };
   int i = 0;
-  while (faces - builder_.face_count() >= 20 + 14) {
-    const int column = i % 14, level = i / 14;
-    can({0.35 + 0.24 * column, 0.22 + 0.01 * (level % 3), 0.34 * level}, 0.10, 0.33, 12);
+  const auto store = [&](int sides) {
+    can({0.35 + 0.24 * (i % 14), 0.22 + 0.01 * (i / 14 % 3), 0.34 * (i / 14)}, 0.10, 0.33, sides);
     ++i;
-  }
-  const std::size_t left = faces - builder_.face_count();
-  assert(left >= 12 && left < 34);
-  can({0.35 + 0.24 * (i % 14), 0.22, 0.34 * (i / 14)}, 0.10, 0.33, static_cast<int>(left) - 2);
+  };
+  while (left() >= 20 + 14) store(12);
+  assert(left() >= 12);
+  store(left() - 2);
 }
 
 }  // namespace foreview::synthetic
