@@ -104,5 +104,87 @@ TEST(Silhouettes, DoesNotReachAcrossAnotherContour) {
   for (int x = 60; x < 72; ++x) EXPECT_TRUE(marked(mask, x, 30)) << x;
 }
 
+/// A board, 0.4 m wide and high, in part 1, and a wall behind it in part 0; the camera at the origin looks along z.
+PolygonModel board_and_wall() {
+  RawMesh mesh;
+  mesh.vertices = {{-3, -3, 2},     {-3, 3, 2},     {3, 3, 2},     {3, -3, 2},
+                   {-0.2, -0.2, 0}, {-0.2, 0.2, 0}, {0.2, 0.2, 0}, {0.2, -0.2, 0}};
+  mesh.faces = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+  mesh.face_part = {0, 1};
+  mesh.part_names = {"wall", "board"};
+  ImportOptions options;
+  options.backdrop = false;
+  options.max_merged_extent = 100;
+  return build_polygon_model(mesh, options);
+}
+
+SurfaceMap surface_seen(const PolygonModel& model, const CameraModel& camera, const Pose& world_from_camera,
+                        const std::vector<Pose>& world_from_part) {
+  const auto planes = inverse_depth_planes(model, camera, world_from_camera, world_from_part);
+  const Pose board_from_camera = world_from_part[1].inverse() * world_from_camera;
+  return surface_of(planes, [&](double u, double v) {
+    const glm::dvec3 origin = board_from_camera.translation;
+    const glm::dvec3 ray = board_from_camera.rotate(camera.ray_from_pixel({u, v}));
+    const glm::dvec3 hit = origin - ray * (origin.z / ray.z);
+    const bool on_board = std::abs(hit.x) <= 0.2 && std::abs(hit.y) <= 0.2;
+    const std::size_t part = on_board ? 1 : 0;
+    for (std::size_t i = 0; i < model.polygons().size(); ++i) {
+      if (model.polygons()[i].part == part) return static_cast<int>(i);
+    }
+    return -1;
+  });
+}
+
+TEST(Silhouettes, ArePlacedWhereTheUsedPictureSawThemThoughPartsMoved) {
+  const PolygonModel model = board_and_wall();
+  ASSERT_EQ(model.polygons().size(), 2U);
+  CameraModel camera;
+  camera.width = kWidth;
+  camera.height = kHeight;
+  camera.focal_length = {80, 80};
+  camera.principal_point = {48, 36};
+  CaptureState used_state;
+  used_state.world_from_part = {Pose{}, Pose{glm::dquat(1, 0, 0, 0), {0, 0, 1}}};
+  PredictedState state;
+  // The board has gone up and away, and the camera has moved to the right and turned a little.
+  state.world_from_part = {Pose{}, Pose{glm::dquat(1, 0, 0, 0), {0.05, -0.35, 1.2}}};
+  state.world_from_camera = {glm::angleAxis(-0.05, glm::dvec3(0, 1, 0)), {0.2, 0.02, 0}};
+  const SurfaceMap used = surface_seen(model, camera, used_state.world_from_camera, used_state.world_from_part);
+  const SurfaceMap now = surface_seen(model, camera, state.world_from_camera, state.world_from_part);
+  const cv::Mat mask = pixels_beyond_silhouettes(model, camera, state, now, camera, used_state, used);
+  int on_mask = 0, wall_hidden_then = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto polygon = static_cast<std::size_t>(now.polygon.at<int>(y, x));
+      if (model.polygons()[polygon].part == 1) {
+        EXPECT_FALSE(marked(mask, x, y)) << "the board is in front of everything";
+        continue;
+      }
+      // Where the wall's point was in the used picture, whose camera stood at the origin: the board's square there is
+      // 32 pixels wide, 32..64 and 20..52.
+      const glm::dvec3 ray = state.world_from_camera.rotate(camera.ray_from_pixel({x + 0.5, y + 0.5}));
+      const glm::dvec3 eye = state.world_from_camera.translation;
+      const glm::dvec2 pixel = camera.pixel_from_camera(eye + ray * ((2 - eye.z) / ray.z));
+      const double beyond_x = std::abs(pixel.x - 48) - 16, beyond_y = std::abs(pixel.y - 36) - 16;
+      const double away = beyond_x > 0 && beyond_y > 0 ? std::hypot(beyond_x, beyond_y) : std::max(beyond_x, beyond_y);
+      if (away < -1) {
+        EXPECT_FALSE(marked(mask, x, y)) << "hidden behind the board then: " << x << ' ' << y;
+        ++wall_hidden_then;
+      }
+      const bool in_picture = pixel.x > 0 && pixel.y > 0 && pixel.x < kWidth && pixel.y < kHeight;
+      if (!in_picture) {
+        EXPECT_FALSE(marked(mask, x, y)) << x << ' ' << y;
+      } else if (away > 1 && away < 11) {
+        EXPECT_TRUE(marked(mask, x, y)) << x << ' ' << y;
+        ++on_mask;
+      } else if (away > 13) {
+        EXPECT_FALSE(marked(mask, x, y)) << x << ' ' << y;
+      }
+    }
+  }
+  EXPECT_GT(on_mask, 500);
+  EXPECT_GT(wall_hidden_then, 200);
+}
+
 }  // namespace
 }  // namespace foreview
