@@ -20,8 +20,8 @@ std::string place(const std::string& where, const YAML::Mark& mark) {
 
 }  // namespace
 
-YamlMap::YamlMap(YAML::Node node, std::string where, std::string prefix)
-    : node_(std::move(node)), where_(std::move(where)), prefix_(std::move(prefix)) {}
+YamlMap::YamlMap(const YAML::Node& node, std::string where, std::string prefix)
+    : node_(node), where_(std::move(where)), prefix_(std::move(prefix)) {}
 
 YamlMap YamlMap::parse(const std::string& text, const std::string& where) {
   if (text.size() > kMaxBytes) {
@@ -48,7 +48,8 @@ void YamlMap::allow_only(std::initializer_list<const char*> keys) const {
     std::string list;
     for (const char* allowed : keys) {
       known = known || key == allowed;
-      list += (list.empty() ? "" : ", ") + std::string(allowed);
+      if (!list.empty()) list += ", ";
+      list += allowed;
     }
     const std::string inside = prefix_.empty() ? "" : " in " + prefix_.substr(0, prefix_.size() - 1);
     const std::string at = place(where_, entry.first.Mark());

@@ -41,7 +41,7 @@ class YamlMap {
   [[noreturn]] void fail(const std::string& key, const std::string& why) const;
 
  private:
-  YamlMap(YAML::Node node, std::string where, std::string prefix);
+  YamlMap(const YAML::Node& node, std::string where, std::string prefix);
   [[nodiscard]] YAML::Node find(const std::string& key) const;
   [[nodiscard]] const std::string& scalar(const YAML::Node& node, const std::string& key, const char* wanted) const;
   [[nodiscard]] const std::string& plain_text(const YAML::Node& node, const std::string& key, const char* wanted) const;
