@@ -52,11 +52,12 @@ void run(const ExportCommand& command) {
   {
     std::unique_ptr<ProgressBar> bar;
     // Pictures are used if captured before this time, and the last one of the range is meant to be used too.
-    replayer.advance_to(end + Duration{1}, [&](std::size_t done, std::size_t todo) {
+    const std::size_t done = replayer.advance_to(end + Duration{1}, [&](std::size_t number, std::size_t todo) {
       throw_if_interrupted();
       if (!bar) bar = std::make_unique<ProgressBar>("extracting textures", todo);
-      bar->update(done);
+      bar->update(number);
     });
+    if (bar) bar->update(done);
   }
   replayer.save_textures_if_asked();
   const std::optional<PredictedState> state = replayer.predicted_state(end);
@@ -102,7 +103,8 @@ void add_export_command(CLI::App& app) {
   sub->add_flag("--backdrop", command->with_backdrop, "With the box around the scene that shows what is far away");
   sub->add_option("--json", command->json_file, "Write what was exported to this file")->type_name("FILE.json");
   sub->footer(
-      "The textures are those after the last picture up to --to; moving parts stand where they were then.\n"
+      "The textures are those after the last picture up to --to; moving parts stand where they were then. Unlike\n"
+      "elsewhere, --delay is 0 unless given.\n"
       "Example: foreview export workcell.glb workcell --to 5s");
   sub->callback([command] { run(*command); });
 }
