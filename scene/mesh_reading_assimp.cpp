@@ -24,7 +24,6 @@ namespace {
 
 constexpr rlim_t kMaxChildSeconds = 60;
 constexpr int kMaxWaitMilliseconds = 120'000;
-constexpr std::size_t kMaxChildMemory = std::size_t{4} << 30;
 constexpr std::size_t kMaxNodes = 200'000;
 
 glm::dmat4 to_glm(const aiMatrix4x4& m) {
@@ -200,6 +199,7 @@ void limit_child() {
 #define FOREVIEW_SANITIZED
 #endif
 #ifndef FOREVIEW_SANITIZED  // sanitizers reserve terabytes of addresses
+  constexpr std::size_t kMaxChildMemory = std::size_t{4} << 30;
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   set(RLIMIT_AS, pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + kMaxChildMemory);

@@ -16,7 +16,7 @@
 namespace foreview {
 namespace {
 
-constexpr std::size_t kMaxFaceCorners = 5'000;
+constexpr std::size_t kMaxFaceCorners = 1'000;
 constexpr double kBackdropRadii = 100;  // distance of the far box: what moves within the scene hardly moves before it
 constexpr double kFarthest = 1e9;       // metres: beyond, squares of squares leave the range of doubles' accuracy
 
@@ -239,7 +239,7 @@ void write_warnings(ImportReport& report) {
   warn(report.faces_not_finite, "faces dropped: a corner is not a finite number (or beyond 1e9 m)");
   warn(report.faces_degenerate, "faces dropped: no area");
   warn(report.faces_duplicate, "faces dropped: same corners as an earlier face");
-  warn(report.faces_too_complex, "faces dropped: more than 5000 corners; triangulate them");
+  warn(report.faces_too_complex, "faces dropped: more than 1000 corners; triangulate them");
   warn(report.faces_self_crossing, "faces cross themselves: parts of them may be missing");
   warn(report.edges_with_opposed_winding,
        "edges between faces of opposed winding: one of each pair shows its back where it should show its front");

@@ -83,7 +83,7 @@ struct ImportReport {
   std::size_t faces_not_finite = 0;      ///< dropped: NaN, infinite, or a corner beyond 1e9 m
   std::size_t faces_degenerate = 0;      ///< dropped: fewer than three distinct corners, or (almost) no area
   std::size_t faces_duplicate = 0;       ///< dropped: same corners as an earlier face, either winding
-  std::size_t faces_too_complex = 0;     ///< dropped: more than 5,000 corners
+  std::size_t faces_too_complex = 0;     ///< dropped: more than 1,000 corners
   std::size_t faces_self_crossing = 0;   ///< outline crosses itself: kept as far as it could be taken apart
   std::size_t faces_split_not_planar = 0, faces_split_concave = 0;
   std::size_t faces_merged = 0;                         ///< faces that became part of a larger polygon

@@ -175,8 +175,10 @@ SplitOutcome split_into_convex(std::span<const glm::dvec3> vertices, std::span<c
     const glm::dvec3 own_area = vector_area(three);
     const double own_size = glm::length(own_area);
     // What a forced cut turned over, and slivers along straight edges, are no surface of this face.
-    if (cross(outline[triangle[0]], outline[triangle[1]], outline[triangle[2]]) <= 0 || is_thin(three, own_size))
-      continue;
+    const double turn = cross(outline[triangle[0]], outline[triangle[1]], outline[triangle[2]]);
+    const bool thin = is_thin(three, own_size);
+    if (turn < 0 && !thin) outcome.self_crossing = true;
+    if (turn <= 0 || thin) continue;
     // A sliver's own normal says nothing where the whole face's is known.
     const Plane own = outcome.not_planar ? plane_midway(three, own_area / own_size) : plane;
     found.push_back({{triangle.begin(), triangle.end()}, part, own});

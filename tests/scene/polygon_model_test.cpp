@@ -173,6 +173,30 @@ TEST(BuildPolygonModel, KeepsAHundredConvexCorners) {
   check_invariants(model);
 }
 
+TEST(BuildPolygonModel, DropsFacesOfThousandsOfCorners) {
+  RawMesh mesh = triangulated_cube();
+  mesh.faces.emplace_back();
+  for (int i = 0; i < 1001; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 1001;
+    mesh.faces.back().push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+    mesh.vertices.emplace_back(std::cos(angle), std::sin(angle), 3);
+  }
+  ImportReport report;
+  EXPECT_EQ(build_polygon_model(mesh, without_backdrop(), &report).polygons().size(), 6U);
+  EXPECT_EQ(report.faces_too_complex, 1U);
+  mesh.faces.back().pop_back();
+  EXPECT_EQ(build_polygon_model(mesh, without_backdrop(), &report).polygons().size(), 7U);
+}
+
+TEST(BuildPolygonModel, KeepsWhatItCanOfAFaceThatCrossesItself) {
+  ImportReport report;
+  // A bow-tie with one large and one small wing.
+  const PolygonModel model =
+      build_polygon_model(outline({{0, 0}, {0, 1}, {1, 0.4}, {1, 0.6}}), without_backdrop(), &report);
+  EXPECT_EQ(report.faces_self_crossing + report.faces_split_concave, 2U);
+  check_invariants(model);
+}
+
 TEST(BuildPolygonModel, SplitsFacesThatAreNotPlanar) {
   RawMesh mesh = outline({{0, 0}, {0.4, 0}, {0.4, 0.4}, {0, 0.4}});
   mesh.vertices[2].z += 0.1;
