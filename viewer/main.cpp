@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
   // One line each: the subcommands.
   foreview::add_inspect_command(app);
   foreview::add_generate_command(app);
+  foreview::add_replay_command(app);
   foreview::add_evaluate_command(app);
   foreview::add_export_command(app);
 

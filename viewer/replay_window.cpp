@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/frame_composer.h"
@@ -48,8 +50,8 @@ class WindowReplay {
       if (control_.take_save_request()) save();
       count_frame(drawn);
       window_.set_title(control_.title(name_, frames_per_second_));
-      window_.poll_events(drawn ? 0 : kIdleWait);
-      for (const ReplayControl::Key key : window_.take_keys()) control_.press(key);
+      window_.poll_events(drawn || !waiting_keys_.empty() ? 0 : kIdleWait);
+      press_keys();
     }
     return summary_;
   }
@@ -72,6 +74,18 @@ class WindowReplay {
     return result;
   }
 
+  void press_keys() {
+    std::vector<ReplayControl::Key> keys = std::exchange(waiting_keys_, {});
+    for (const ReplayControl::Key key : window_.take_keys()) keys.push_back(key);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      control_.press(keys[i]);
+      if (keys[i] != ReplayControl::Key::s) continue;
+      // What was asked for is saved before the next keys change it.
+      waiting_keys_.assign(keys.begin() + static_cast<std::ptrdiff_t>(i) + 1, keys.end());
+      break;
+    }
+  }
+
   [[nodiscard]] bool finished() const { return control_.quit() || window_.close_requested() || interrupted(); }
 
   /// Brings the textures up to display time. Where that takes many pictures (at the start, or after a step back), the
@@ -87,9 +101,10 @@ class WindowReplay {
         if (shown_) window_.present(composer_.framebuffer(), shown_size_.width, shown_size_.height);
       }
       window_.poll_events();
+      // Keys that change what is shown wait for the textures that are being made.
       for (const ReplayControl::Key key : window_.take_keys()) {
-        // Other keys would be answered late and in one go.
-        if (key == ReplayControl::Key::q || key == ReplayControl::Key::escape) control_.press(key);
+        if (key == ReplayControl::Key::q || key == ReplayControl::Key::escape) throw Left();
+        waiting_keys_.push_back(key);
       }
       if (finished()) throw Left();
     });
@@ -152,6 +167,7 @@ class WindowReplay {
   FrameComposer composer_;
   std::string name_;
   ReplaySummary summary_;
+  std::vector<ReplayControl::Key> waiting_keys_;
   std::optional<Drawn> shown_;
   FrameComposer::Size shown_size_;
   int frames_ = 0;

@@ -1,0 +1,147 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "foreview/gpu/offscreen_context.h"
+#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/errors.h"
+#include "foreview/viewer/commands.h"
+#include "foreview/viewer/gl_debug.h"
+#include "foreview/viewer/interrupt.h"
+#include "foreview/viewer/picture_output.h"
+#include "foreview/viewer/progress.h"
+#include "foreview/viewer/replay_options_cli.h"
+#include "foreview/viewer/replay_session.h"
+#include "foreview/viewer/replayer.h"
+#include "foreview/viewer/window.h"
+
+namespace foreview {
+namespace {
+
+struct ReplayCommand {
+  ReplayOptions replay;
+  ReplaySessionOptions session;
+  bool headless = false;
+  std::string view = "predicted";
+  std::optional<std::filesystem::path> json;
+};
+
+constexpr const char* kKeys =
+    "Keys: Tab predicted / delayed / both   M model's edges over the delayed picture   H holes in pink   W wireframe\n"
+    "      S save a picture   Space pause   Left, Right to the picture before, after (paused)   Esc, Q quit\n";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  foreview replay workcell --delay 500ms\n"
+    "  foreview replay my-recording --headless --out pictures --view both --every 10";
+
+DisplayMode parse_mode(const std::string& text) {
+  for (const DisplayMode mode : {DisplayMode::predicted, DisplayMode::delayed, DisplayMode::both}) {
+    if (text == to_string(mode)) return mode;
+  }
+  throw InputError("--view", "\"" + text + "\" is not known; expected predicted, delayed or both");
+}
+
+void check(const ReplayCommand& command) {
+  const double speed = command.session.speed;
+  if (!(speed > 0 && speed <= 1000)) throw InputError("--speed", "expected a factor above 0 and at most 1000");
+  if (command.session.every < 1) throw InputError("--every", "expected 1 or more");
+  if (command.headless && command.session.out.empty()) {
+    throw InputError("--headless", "expected --out DIR with it, for the pictures");
+  }
+}
+
+/// A current context for the session: the window's, or one without a window.
+struct Graphics {
+  std::unique_ptr<Window> window;
+  std::unique_ptr<OffscreenContext> offscreen;
+
+  explicit Graphics(bool headless) {
+    const GlDebug debug = gl_debug_from_environment();
+    if (headless) {
+      offscreen = std::make_unique<OffscreenContext>(OffscreenContext::Options{.debug = debug != GlDebug::off});
+      if (debug != GlDebug::off) install_debug_callback(debug == GlDebug::fatal);
+      spdlog::debug("graphics: {}", offscreen->renderer());
+    } else {
+      window = std::make_unique<Window>("foreview", 960, 720);
+    }
+  }
+};
+
+void write_json(const std::filesystem::path& file, Replayer& replayer, const ReplayCommand& command,
+                const ReplaySummary& summary) {
+  const RecordingDamage& damage = replayer.recording().damage();
+  const ExtractionStatistics& statistics = replayer.statistics();
+  const nlohmann::ordered_json json{
+      {"format", "foreview-replay"},
+      {"version", 1},
+      {"recording", replayer.recording().name()},
+      {"camera", replayer.operator_camera().name},
+      {"delay_seconds", command.replay.delay.seconds()},
+      {"from_seconds", (replayer.first() - replayer.recording().first_stamp(replayer.camera())).seconds()},
+      {"to_seconds", (replayer.last() - replayer.recording().first_stamp(replayer.camera())).seconds()},
+      {"view", command.view},
+      {"pictures_written", summary.pictures_written},
+      {"instants_without_state", summary.instants_without_state},
+      {"pictures_extracted", replayer.pictures_extracted()},
+      {"pictures_unreadable", damage.pictures_unreadable},
+      {"items_damaged", damage.total()},
+      {"polygons", replayer.model().polygons().size()},
+      {"polygons_visible", statistics.polygons_visible},
+  };
+  write_file_whole(file, json.dump(2) + "\n");
+}
+
+void run(const ReplayCommand& given, bool quiet) {
+  ReplayCommand command = given;
+  command.session.choice.mode = parse_mode(command.view);
+  command.session.delay = command.replay.delay;
+  command.session.near_plane = command.replay.extraction.near_plane;
+  check(command);
+  const Graphics graphics(command.headless);
+  Replayer replayer(command.replay);
+  ReplaySummary summary;
+  if (graphics.window) {
+    if (!quiet) std::cout << kKeys << std::flush;
+    summary = replay_in_window(replayer, *graphics.window, command.session);
+  } else {
+    summary = replay_headless(replayer, command.session);
+    if (!quiet) {
+      std::cout << summary.pictures_written << " pictures in " << command.session.out.string() << "/" << command.view
+                << "\n";
+    }
+  }
+  replayer.save_textures_if_asked();
+  if (command.json) write_json(*command.json, replayer, command, summary);
+  throw_if_interrupted();
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app) {
+  CLI::App* replay = app.add_subcommand("replay", "Show the predicted view of a recording, in a window or as pictures");
+  const auto command = std::make_shared<ReplayCommand>();
+  add_replay_options(*replay, command->replay);
+  ReplaySessionOptions& session = command->session;
+  replay->add_option("--speed", session.speed, "Recorded seconds per second (default: 1)")->type_name("FACTOR");
+  replay->add_flag("--loop", session.loop, "Begin anew at the end");
+  replay->add_option("--view", command->view, "predicted, delayed or both, to begin with (default: predicted)")
+      ->type_name("VIEW");
+  replay->add_flag("--edges", session.choice.model_edges, "Begin with the model's edges over the delayed picture (M)");
+  replay->add_flag("--holes", session.choice.holes_pink, "Begin with holes in pink (H)");
+  replay->add_flag("--wireframe", session.choice.wireframe, "Begin with the wireframe (W)");
+  replay->add_flag("--headless", command->headless, "No window: write DIR/VIEW/PICTURE.png for every picture's time");
+  replay->add_option("--out", session.out, "Where pictures go (default for S: where you are)")->type_name("DIR");
+  replay->add_option("--every", session.every, "Headless: only every Nth picture's time (default: 1)")->type_name("N");
+  replay->add_option("--json", command->json, "Write what was done to this file")->type_name("FILE");
+  replay->footer(kExamples);
+  replay->callback([command, &app] { run(*command, app.count("--quiet") > 0); });
+}
+
+}  // namespace foreview
