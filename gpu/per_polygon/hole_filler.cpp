@@ -1,7 +1,9 @@
 #include "foreview/gpu/per_polygon/hole_filler.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
 
 #include "foreview/gpu/dispatch.h"
 
@@ -26,25 +28,27 @@ bool fits_tip(glm::ivec2 size) {
 
 }  // namespace
 
-HoleFiller::HoleFiller(const ExtractionOptions& options, int widest, int highest)
+HoleFiller::HoleFiller(const ExtractionOptions& options, const PolygonModel& model, const PolygonTextures& textures)
     : variant_(options.fill),
       occlusion_query_(options.occlusion_query),
       pull_(make_compute_program("per_polygon_pull.comp.glsl")),
       tip_(make_compute_program("per_polygon_pyramid_tip.comp.glsl")),
       tip_base_(make_compute_program("per_polygon_pyramid_tip.comp.glsl", "#define BASE\n")),
-      filled_(make_texture_2d(GL_RGBA8, widest, highest)) {
+      filled_(make_texture_2d(GL_RGBA8, textures.widest(), textures.highest())) {
+  const int widest = textures.widest(), highest = textures.highest();
+  collect_outlines(model, textures);
   // No smaller texture needs more levels than one that has the longest of both sides.
   for (glm::ivec2 size(widest, highest); !fits_tip(size);) {
     size = halved(size);
     levels_.push_back(make_texture_2d(GL_RGBA16F, size.x, size.y));
   }
-  if (variant_ == HoleFilling::pyramid) {
+  if (variant_ != HoleFilling::iterative) {
     push_ = make_compute_program("per_polygon_push.comp.glsl");
     push_base_ = make_compute_program("per_polygon_push.comp.glsl", "#define BASE\n");
+    if (variant_ == HoleFilling::none) open_ = make_compute_program("per_polygon_open_holes.comp.glsl");
     return;
   }
   grey_ = make_compute_program("per_polygon_grey.comp.glsl");
-  if (variant_ == HoleFilling::none) return;
   copy_ = make_program("fullscreen.vert.glsl", "per_polygon_iterate.frag.glsl", "#define COPY\n");
   iterate_ = make_program("fullscreen.vert.glsl", "per_polygon_iterate.frag.glsl");
   for (int i = 0; i < 2; ++i) {
@@ -55,10 +59,44 @@ HoleFiller::HoleFiller(const ExtractionOptions& options, int widest, int highest
   changed_ = GlOcclusionQuery::create();
 }
 
-void HoleFiller::fill(GLuint fused, int width, int height, GLuint states, int polygon) {
+void HoleFiller::collect_outlines(const PolygonModel& model, const PolygonTextures& textures) {
+  std::vector<glm::vec4> edges;
+  outlines_.resize(textures.size());
+  for (std::size_t i = 0; i < outlines_.size(); ++i) {
+    const PolygonTextures::Item& item = textures[i];
+    Outline& outline = outlines_[i];
+    outline.width = item.width;
+    outline.height = item.height;
+    if (variant_ != HoleFilling::none) continue;
+    outline.first_edge = static_cast<int>(edges.size());
+    outline.edges = static_cast<int>(model.polygons()[i].corner_count);
+    std::vector<glm::dvec2> corners;
+    glm::dvec2 middle(0);
+    for (std::size_t k = 0; k < model.polygons()[i].corner_count; ++k) {
+      corners.push_back(item.frame.plane_from_part(model.corner(i, k)) / item.frame.extent *
+                        glm::dvec2(item.width, item.height));
+      middle += corners.back() / static_cast<double>(model.polygons()[i].corner_count);
+    }
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const glm::dvec2 along = corners[(k + 1) % corners.size()] - corners[k];
+      glm::dvec2 inwards = glm::dvec2(-along.y, along.x) / std::max(glm::length(along), 1e-9);
+      if (glm::dot(inwards, middle - corners[k]) < 0) inwards = -inwards;
+      edges.emplace_back(inwards, -glm::dot(inwards, corners[k]), 0);
+    }
+  }
+  if (edges.empty()) return;
+  edges_ = GlBuffer::create();
+  glNamedBufferStorage(edges_.id(), static_cast<GLsizeiptr>(edges.size() * sizeof(glm::vec4)), edges.data(), 0);
+}
+
+void HoleFiller::fill(GLuint fused, std::uint32_t polygon, GLuint states, bool write_state) {
+  const Outline& outline = outlines_[polygon];
+  const int width = outline.width, height = outline.height;
   if (variant_ == HoleFilling::iterative) iterate(fused, width, height);
-  if (variant_ == HoleFilling::none) paint_grey(fused, fused, width, height);
-  if (variant_ == HoleFilling::pyramid || polygon >= 0) run_pyramid(fused, width, height, states, polygon);
+  if (variant_ != HoleFilling::iterative || write_state) {
+    run_pyramid(fused, width, height, states, write_state ? static_cast<int>(polygon) : -1);
+  }
+  if (variant_ == HoleFilling::none) open_holes(fused, outline);
 }
 
 void HoleFiller::run_pyramid(GLuint fused, int width, int height, GLuint states, int polygon) {
@@ -79,7 +117,7 @@ void HoleFiller::run_pyramid(GLuint fused, int width, int height, GLuint states,
     ++top;
   }
 
-  const bool down = variant_ == HoleFilling::pyramid;
+  const bool down = variant_ != HoleFilling::iterative;
   glUseProgram(top == 0 ? tip_base_.id() : tip_.id());
   glUniform2i(0, size.x, size.y);
   glUniform1i(1, polygon);
@@ -154,6 +192,17 @@ void HoleFiller::iterate(GLuint fused, int width, int height) {
   glBindVertexArray(0);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   paint_grey(iterated_[current].id(), fused, width, height);
+}
+
+void HoleFiller::open_holes(GLuint fused, const Outline& outline) {
+  glUseProgram(open_.id());
+  glUniform2i(0, outline.width, outline.height);
+  glUniform2i(1, outline.first_edge, outline.edges);
+  glBindTextureUnit(0, fused);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, edges_.id());
+  glBindImageTexture(0, filled_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
+  dispatch_over(outline.width, outline.height);
+  image_barrier();
 }
 
 void HoleFiller::paint_grey(GLuint colours, GLuint fused, int width, int height) {

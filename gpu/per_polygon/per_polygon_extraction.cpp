@@ -78,7 +78,7 @@ struct PerPolygonExtraction::State {
         picture(store.model(), store.layout(), textures),
         scene(store.model()),
         suppressor(options),
-        filler(options, textures.widest(), textures.highest()) {}
+        filler(options, store.model(), textures) {}
 
   /// Steps 0-2, for all polygons.
   void begin(const CameraFrame& frame, StepTimer& timer, ExtractionStatistics& statistics);
@@ -150,7 +150,7 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
     s.normaliser.fuse(slot, undistorted, alpha, s.options.near_plane, s.is_late(polygon, frame.state.stamp),
                       own.texture.id(), own.width, own.height);
     timer.lap(statistics.ms_normalisation);
-    s.filler.fill(own.texture.id(), own.width, own.height, s.store.polygon_states(), static_cast<int>(polygon));
+    s.filler.fill(own.texture.id(), polygon, s.store.polygon_states(), true);
     timer.lap(statistics.ms_filling);
     s.copier.copy(s.picture, slot, s.filler.filled(), own.texture.id(), s.store);
     timer.lap(statistics.ms_other);
@@ -223,7 +223,7 @@ PerPolygonExtraction::Intermediate PerPolygonExtraction::inspect(const CameraFra
     s.normaliser.fuse(slot, s.undistorter.texture(), alpha, s.options.near_plane, s.is_late(polygon, frame.state.stamp),
                       fused.id(), width, height);
   }
-  s.filler.fill(fused.id(), width, height, s.store.polygon_states(), -1);
+  s.filler.fill(fused.id(), polygon, s.store.polygon_states(), false);
   glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
   result.fused = read_colours(fused.id(), width, height);
   result.filled = read_colours(s.filler.filled(), width, height);

@@ -55,11 +55,16 @@ namespace foreview {
 ///    are in the picture and have alpha > 31/32. Colour: the mean of the cells.
 /// 6. *Fuse* (spec 7): new where valid, else what was there; reversed for a picture older than the newest one that this
 ///    polygon's texture was made from.
-/// 7. *Fill* (spec 9), on a copy: pyramid (pull means of valid children, push bilinearly with clamped coordinates,
-///    valid texels of the finer level overwrite; where max_texels is no power of two, an odd size halves upwards and
-///    what lies beyond is not valid), or iterative (an invalid texel with a valid one among its 8 neighbours becomes
-///    the mean of the valid ones in its 5x5 window, as far as that lies in the texture; repeat, texels just filled
-///    counting as valid). Validity is kept from before. `none`, or no valid texel at all: mid grey (128) where invalid.
+/// 7. *Fill* (spec 9), on a copy. Validity is kept from before.
+///    - pyramid: pull means of valid children; push bilinearly (a texel's centre lies at half its coordinates in the
+///      coarser level; clamped), valid texels of the finer level overwrite. Where max_texels is no power of two, an odd
+///      size halves upwards and what lies beyond is not valid.
+///    - iterative: an invalid texel with a valid one among its 8 neighbours becomes the mean of the valid ones in its
+///      5x5 window, as far as that lies in the texture; repeat, texels just filled counting as valid.
+///    - none: as pyramid, but mid grey (128) where a texel is invalid and its centre lies in the polygon, or at most
+///      0.25 texels beyond an edge's line. Colours further out are never shown, yet filtering and coarse levels mix
+///      them with those that are.
+///    No valid texel at all: mid grey everywhere.
 /// 8. *Copy to the chart*: each texel of the chart's block takes the bilinear sample (clamped) of the filled texture at
 ///    its own point of the plane, and alpha 1 or 0 from the texel that contains the point (clamped). Then the chart's
 ///    levels are rebuilt, and the polygon's mean colour (the pyramid's top) goes to its PolygonState.

@@ -75,8 +75,8 @@ ColourImage push(const ColourImage& coarse, const Texture& fine) {
   for (int y = 0; y < fine.height(); ++y) {
     for (int x = 0; x < fine.width(); ++x) {
       if (fine.valid.at(x, y) != 0) continue;
-      result.at(x, y) =
-          bilinear_clamped(coarse, (x + 0.5) * coarse.width / fine.width(), (y + 0.5) * coarse.height / fine.height());
+      const double s = fine.width() > 1 ? (x + 0.5) / 2 : 0.5, t = fine.height() > 1 ? (y + 0.5) / 2 : 0.5;
+      result.at(x, y) = bilinear_clamped(coarse, s, t);
     }
   }
   return result;
@@ -89,6 +89,14 @@ ColourImage fill_by_pyramid(const Texture& texture) {
   ColourImage filled = levels.back().colour;
   for (std::size_t i = levels.size() - 1; i-- > 0;) filled = push(filled, levels[i]);
   return filled;
+}
+
+ColourImage leave_holes_open(const Texture& texture, const Flags& in_polygon) {
+  ColourImage result = fill_by_pyramid(texture);
+  for (std::size_t i = 0; i < result.values.size(); ++i) {
+    if (texture.valid.values[i] == 0 && in_polygon.values[i] != 0) result.values[i] = kMidGrey;
+  }
+  return result;
 }
 
 ColourImage fill_iteratively(const Texture& texture, int* passes) {

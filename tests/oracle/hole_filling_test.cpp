@@ -134,5 +134,15 @@ TEST(Filling, WithNothingValidIsMidGrey) {
   EXPECT_EQ(leave_holes_grey(texture({{1, kHole}})).at(0, 0), colour(1));
 }
 
+TEST(Filling, HolesLeftOpenAreGreyOnlyInThePolygon) {
+  Flags in_polygon(4, 1, 1);
+  in_polygon.at(3, 0) = 0;
+  const ColourImage filled = leave_holes_open(texture({{8, 16, kHole, kHole}}), in_polygon);
+  EXPECT_EQ(filled.at(0, 0), colour(8));
+  EXPECT_EQ(filled.at(1, 0), colour(16));
+  EXPECT_EQ(filled.at(2, 0), glm::dvec3(128));
+  EXPECT_EQ(filled.at(3, 0), colour(12)) << "as the pyramid fills it";
+}
+
 }  // namespace
 }  // namespace foreview::oracle

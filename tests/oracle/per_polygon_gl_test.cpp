@@ -67,6 +67,10 @@ TEST_F(PerPolygonOracle, WithoutSuppression) {
   compare_first_picture(
       {.artefacts = ArtefactSuppression::none, .fill = HoleFilling::none, .backdrop = true, .seed = 12},
       small_charts(200, 100), "none, backdrop, 200 texels/m, r_max 100");
+  compare_first_picture({.artefacts = ArtefactSuppression::none, .fill = HoleFilling::pyramid, .seed = 13},
+                        small_charts(200, 100), "none, r_max 100");
+  compare_first_picture({.artefacts = ArtefactSuppression::none, .fill = HoleFilling::none, .seed = 14}, small_charts(),
+                        "none, holes left open");
 }
 
 TEST_F(PerPolygonOracle, Diamond) {

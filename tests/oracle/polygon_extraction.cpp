@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "oracle/suppression.h"
 
@@ -25,7 +26,33 @@ AlphaImage suppress(const AlphaImage& alpha, const Options& options) {
   return result;
 }
 
-ColourImage fill(const Texture& texture, Filling filling) {
+Flags texels_in_polygon(const PolygonModel& model, std::size_t polygon, const glm::ivec2& size) {
+  const PolygonFrame frame = polygon_frame(model, polygon);
+  const auto texel_of_corner = [&](std::size_t i) {
+    const glm::dvec2 plane = frame.plane_from_part(model.corner(polygon, i % model.polygons()[polygon].corner_count));
+    return glm::dvec2(plane.x / frame.extent.x * size.x, plane.y / frame.extent.y * size.y);
+  };
+  const std::size_t corners = model.polygons()[polygon].corner_count;
+  double area = 0;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const glm::dvec2 a = texel_of_corner(i), b = texel_of_corner(i + 1);
+    area += a.x * b.y - a.y * b.x;
+  }
+  const double side = area > 0 ? 1 : -1;
+  Flags result(size.x, size.y, 1);
+  for (std::size_t i = 0; i < corners; ++i) {
+    const glm::dvec2 a = texel_of_corner(i), along = texel_of_corner(i + 1) - a;
+    for (int y = 0; y < size.y; ++y) {
+      for (int x = 0; x < size.x; ++x) {
+        const glm::dvec2 p = glm::dvec2(x + 0.5, y + 0.5) - a;
+        if (side * (along.x * p.y - along.y * p.x) < -0.25 * glm::length(along)) result.at(x, y) = 0;
+      }
+    }
+  }
+  return result;
+}
+
+ColourImage fill(const Texture& texture, Filling filling, const Flags& in_polygon) {
   switch (filling) {
     case Filling::pyramid:
       return fill_by_pyramid(texture);
@@ -34,7 +61,7 @@ ColourImage fill(const Texture& texture, Filling filling) {
     case Filling::none:
       break;
   }
-  return leave_holes_grey(texture);
+  return leave_holes_open(texture, in_polygon);
 }
 
 PolygonExtraction::PolygonExtraction(const PolygonModel& model, const Options& options)
@@ -77,7 +104,7 @@ PolygonResult PolygonExtraction::inspect(const PreparedFrame& prepared, std::siz
     result.fused =
         late ? fuse(result.fresh.texture, textures_[polygon]) : fuse(textures_[polygon], result.fresh.texture);
   }
-  result.filled = fill(result.fused, options_.fill);
+  result.filled = fill(result.fused, options_.fill, texels_in_polygon(model_, polygon, size));
   return result;
 }
 

@@ -66,7 +66,9 @@ class PolygonExtraction {
 
 /// The three variants of step 4 on a mask, its lower and its upper bound.
 [[nodiscard]] AlphaImage suppress(const AlphaImage& alpha, const Options& options);
-[[nodiscard]] ColourImage fill(const Texture& texture, Filling filling);
+/// Texels whose centre lies in the polygon or at most 0.25 texels beyond the line of an edge.
+[[nodiscard]] Flags texels_in_polygon(const PolygonModel& model, std::size_t polygon, const glm::ivec2& size);
+[[nodiscard]] ColourImage fill(const Texture& texture, Filling filling, const Flags& in_polygon);
 
 /// Step 8: the block of a chart, level 0.
 struct ChartBlock {
