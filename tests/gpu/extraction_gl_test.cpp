@@ -25,7 +25,7 @@ TEST_F(ExtractionTest, SquareFacingTheCameraGetsThePicturesColours) {
   ASSERT_EQ(result.fused.size(), cv::Size(64, 64));
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) {
-      const auto texel = result.fused.at<cv::Vec4b>(y, x);
+      const auto& texel = result.fused.at<cv::Vec4b>(y, x);
       const glm::dvec2 pixel = pixel_of_texel(0, x, y, result.fused);
       ASSERT_EQ(texel[3], pixel.x < 111 && pixel.y < 91 ? 255 : 0);
       if (texel[3] == 255)
@@ -40,7 +40,7 @@ TEST_F(ExtractionTest, SquareFacingTheCameraGetsThePicturesColours) {
     for (int x = chart.origin.x + kChartGutter; x < chart.origin.x + kChartGutter + chart.inner.x; ++x) {
       const glm::dvec2 pixel = camera_.pixel_from_camera(chart.part_from_texel({x + 0.5, y + 0.5}));
       if (pixel.x > 111 || pixel.y > 91) continue;
-      const auto texel = page.at<cv::Vec4b>(y, x);
+      const auto& texel = page.at<cv::Vec4b>(y, x);
       ASSERT_EQ(texel[3], 255);
       expect_colour(texel, gradient(pixel.x, pixel.y), 1.51, "chart");
     }
@@ -62,7 +62,7 @@ TEST_F(ExtractionTest, SlantedPolygonIsCorrectInPerspective) {
   int valid = 0;
   for (int y = 0; y < result.fused.rows; ++y) {
     for (int x = 0; x < result.fused.cols; ++x) {
-      const auto texel = result.fused.at<cv::Vec4b>(y, x);
+      const auto& texel = result.fused.at<cv::Vec4b>(y, x);
       if (texel[3] == 0) continue;
       ++valid;
       const glm::dvec2 pixel = pixel_of_texel(0, x, y, result.fused);
@@ -305,7 +305,7 @@ TEST_F(ExtractionTest, FillingUsesWhatIsValidAndKeepsIt) {
     int holes = 0, least = 255, greatest = 0;
     for (int y = 0; y < result.fused.rows; ++y) {
       for (int x = 0; x < result.fused.cols; ++x) {
-        const auto fused = result.fused.at<cv::Vec4b>(y, x), filled = result.filled.at<cv::Vec4b>(y, x);
+        const auto &fused = result.fused.at<cv::Vec4b>(y, x), &filled = result.filled.at<cv::Vec4b>(y, x);
         EXPECT_EQ(filled[3], fused[3]);
         if (fused[3] == 255) {
           EXPECT_EQ(filled, fused);
@@ -436,7 +436,7 @@ TEST_F(ExtractionTest, PartsAreWhereThePictureHasThem) {
   int valid = 0;
   for (int y = 0; y < result.fused.rows; ++y) {
     for (int x = 0; x < result.fused.cols; ++x) {
-      const auto texel = result.fused.at<cv::Vec4b>(y, x);
+      const auto& texel = result.fused.at<cv::Vec4b>(y, x);
       if (texel[3] == 0) continue;
       ++valid;
       const glm::dvec2 q =
@@ -460,7 +460,7 @@ TEST_F(ExtractionTest, PolygonsCrossTheCameraPlane) {
   int valid = 0;
   for (int y = 0; y < result.fused.rows; ++y) {
     for (int x = 0; x < result.fused.cols; ++x) {
-      const auto texel = result.fused.at<cv::Vec4b>(y, x);
+      const auto& texel = result.fused.at<cv::Vec4b>(y, x);
       const glm::dvec2 q =
           glm::dvec2(x + 0.5, y + 0.5) / glm::dvec2(result.fused.cols, result.fused.rows) * glm::dvec2(1);
       const PolygonFrame plane = polygon_frame(*model_, 0);
@@ -554,7 +554,7 @@ TEST_F(ExtractionTest, AdoptsWhatTheChartsHold) {
   int different = 0;
   for (int y = 0; y < before.rows; ++y) {
     for (int x = 0; x < before.cols; ++x) {
-      const auto a = before.at<cv::Vec4b>(y, x), b = adopted.at<cv::Vec4b>(y, x);
+      const auto &a = before.at<cv::Vec4b>(y, x), &b = adopted.at<cv::Vec4b>(y, x);
       if (a[3] != b[3]) {
         ++different;
       } else if (a[3] == 255) {
@@ -584,7 +584,7 @@ TEST_F(ExtractionTest, UndistortsBothLensModels) {
     for (int y = 0; y < result.rows; ++y) {
       for (int x = 0; x < result.cols; ++x) {
         const glm::dvec2 lens = camera_.pixel_from_camera(straight.ray_from_pixel({x + 0.5, y + 0.5}));
-        const auto texel = result.at<cv::Vec4b>(y, x);
+        const auto& texel = result.at<cv::Vec4b>(y, x);
         const double room =
             std::min({lens.x - 0.5, lens.y - 0.5, result.cols - 0.5 - lens.x, result.rows - 0.5 - lens.y});
         if (room > 0.01) {
