@@ -40,7 +40,7 @@ HoleFiller::HoleFiller(const ExtractionOptions& options, const PolygonModel& mod
   // No smaller texture needs more levels than one that has the longest of both sides.
   for (glm::ivec2 size(widest, highest); !fits_tip(size);) {
     size = halved(size);
-    levels_.push_back(make_texture_2d(GL_RGBA16F, size.x, size.y));
+    levels_.push_back(make_texture_2d(GL_RGBA32F, size.x, size.y));
   }
   if (variant_ != HoleFilling::iterative) {
     push_ = make_compute_program("per_polygon_push.comp.glsl");
@@ -52,7 +52,7 @@ HoleFiller::HoleFiller(const ExtractionOptions& options, const PolygonModel& mod
   copy_ = make_program("fullscreen.vert.glsl", "per_polygon_iterate.frag.glsl", "#define COPY\n");
   iterate_ = make_program("fullscreen.vert.glsl", "per_polygon_iterate.frag.glsl");
   for (int i = 0; i < 2; ++i) {
-    iterated_[i] = make_texture_2d(GL_RGBA16F, widest, highest);
+    iterated_[i] = make_texture_2d(GL_RGBA32F, widest, highest);
     iterated_framebuffer_[i] = make_framebuffer(iterated_[i].id());
   }
   no_vertices_ = GlVertexArray::create();
@@ -110,7 +110,7 @@ void HoleFiller::run_pyramid(GLuint fused, int width, int height, GLuint states,
     size = halved(size);
     glUniform2i(1, size.x, size.y);
     glBindTextureUnit(0, top == 0 ? fused : levels_[top - 1].id());
-    glBindImageTexture(0, levels_[top].id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
+    glBindImageTexture(0, levels_[top].id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     dispatch_over(size.x, size.y);
     image_barrier();
     sizes.push_back(size);
@@ -127,7 +127,7 @@ void HoleFiller::run_pyramid(GLuint fused, int width, int height, GLuint states,
     glBindTextureUnit(0, fused);
     glBindImageTexture(0, filled_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
   } else {
-    glBindImageTexture(0, levels_[top - 1].id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA16F);
+    glBindImageTexture(0, levels_[top - 1].id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   }
   glDispatchCompute(1, 1, 1);
   image_barrier();
@@ -138,7 +138,7 @@ void HoleFiller::run_pyramid(GLuint fused, int width, int height, GLuint states,
     glUniform2i(0, sizes[top - 1].x, sizes[top - 1].y);
     glUniform2i(1, sizes[top].x, sizes[top].y);
     glBindTextureUnit(0, levels_[top - 1].id());
-    glBindImageTexture(0, levels_[top - 2].id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA16F);
+    glBindImageTexture(0, levels_[top - 2].id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     dispatch_over(sizes[top - 1].x, sizes[top - 1].y);
     image_barrier();
   }

@@ -37,8 +37,9 @@ class HoleFiller {
   bool occlusion_query_;
   GlProgram pull_, push_, push_base_, tip_, tip_base_, grey_, open_, copy_, iterate_;
   GlTexture filled_;
-  std::vector<GlTexture> levels_;  ///< the pyramid's from 1 on, GL_RGBA16F
-  GlTexture iterated_[2];          ///< GL_RGBA16F
+  // Single precision: half floats, which a driver may cut instead of rounding, darken a little with every pass.
+  std::vector<GlTexture> levels_;  ///< the pyramid's from 1 on, GL_RGBA32F
+  GlTexture iterated_[2];          ///< GL_RGBA32F
   GlFramebuffer iterated_framebuffer_[2];
   GlVertexArray no_vertices_;
   GlOcclusionQuery changed_;

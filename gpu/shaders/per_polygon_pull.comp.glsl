@@ -2,7 +2,7 @@
 // One level up the pyramid: the mean of the valid children (spec 9, eq. 5.6-5.9).
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0) uniform sampler2D fine;
-layout(rgba16f, binding = 0) writeonly uniform image2D coarse;
+layout(rgba32f, binding = 0) writeonly uniform image2D coarse;
 layout(location = 0) uniform ivec2 fine_size;
 layout(location = 1) uniform ivec2 coarse_size;
 

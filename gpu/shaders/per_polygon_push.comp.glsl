@@ -7,7 +7,7 @@ layout(binding = 0) uniform sampler2D coarse;
 layout(binding = 1) uniform sampler2D fused;
 layout(rgba8, binding = 0) writeonly uniform image2D fine;
 #else
-layout(rgba16f, binding = 0) uniform image2D fine;
+layout(rgba32f, binding = 0) uniform image2D fine;
 #endif
 layout(location = 0) uniform ivec2 fine_size;
 layout(location = 1) uniform ivec2 coarse_size;

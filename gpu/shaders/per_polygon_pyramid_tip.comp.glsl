@@ -7,7 +7,7 @@ layout(local_size_x = 128) in;
 layout(binding = 0) uniform sampler2D fused;
 layout(rgba8, binding = 0) writeonly uniform image2D base;
 #else
-layout(rgba16f, binding = 0) uniform image2D base;
+layout(rgba32f, binding = 0) uniform image2D base;
 #endif
 layout(location = 0) uniform ivec2 base_size;
 layout(location = 1) uniform int polygon;   // -1: no state is to be written
