@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "foreview/recordings/builtin.h"
+#include "foreview/viewer/evaluation.h"
+#include "foreview/viewer/evaluation_report.h"
+#include "gpu/gl_test_fixture.h"
+#include "support/temporary_directory.h"
+
+namespace foreview {
+namespace {
+
+class EvaluationOfRecordings : public GlTest {
+ protected:
+  static EvaluationSummary summary_of(const EvaluationOptions& options, std::size_t instants) {
+    Replayer replayer(options.replay);
+    const Evaluation evaluation = evaluate(replayer, options);
+    EXPECT_EQ(evaluation.instants.size(), instants);
+    std::fputs(evaluation_table(evaluation, options).c_str(), stdout);
+    return summarise(evaluation);
+  }
+};
+
+// Sixteen instants of the workcell while head and arm move, a quarter of the size: few enough for a test. Measured:
+// predicted 23.49 dB, 8.8 better than delayed and 8.5 than rotation; 29.71 dB over seen surface.
+TEST_F(EvaluationOfRecordings, ShortWorkcell) {
+  const test::TemporaryDirectory directory;
+  GenerateOptions generate;
+  generate.name = "workcell";
+  generate.first_picture = 100;
+  generate.pictures = 16;
+  generate.scale = 0.25;
+  generate_recording(generate, directory / "workcell");
+  EvaluationOptions options;
+  options.replay.recording = directory / "workcell";
+  options.replay.delay = Duration::parse("400ms", "delay");
+  options.replay.from = "#14";
+  options.replay.history = 2;
+  options.replay.density = 100;
+  const EvaluationSummary summary = summary_of(options, 2);
+  EXPECT_NEAR(summary.age, 0.44, 1e-6);
+  EXPECT_GT(summary.seen, 0.45);
+  EXPECT_GT(summary.psnr_over_seen.mean, 28);
+  EXPECT_GT(summary.predicted.psnr.mean, summary.delayed.psnr.mean + 8);
+  EXPECT_GT(summary.predicted.psnr.mean, summary.rotation.psnr.mean + 7);
+  EXPECT_GT(summary.beyond_silhouettes.pixels, 1000U);
+  EXPECT_GT(summary.beyond_silhouettes.psnr().value(), 25);
+}
+
+// The thresholds leave some room, for other renderers, below what was measured: 21.64 dB and 0.741, over seen surface
+// 22.83 dB.
+TEST_F(EvaluationOfRecordings, FewPicturesOfTheKitchen) {
+  const std::filesystem::path directory = std::filesystem::path(FOREVIEW_SHARED_DIR) / "recordings/kitchen";
+  if (!std::filesystem::is_directory(directory)) GTEST_SKIP() << directory << " is not there";
+  EvaluationOptions options;
+  options.replay.recording = directory;
+  options.replay.scene = "scene_5k.ply";
+  options.replay.from = "#320";
+  options.replay.to = "#530";
+  options.replay.history = 1;
+  options.replay.density = 200;
+  options.every = 210;
+  const EvaluationSummary summary = summary_of(options, 2);
+  EXPECT_NEAR(summary.age, 16 / 30.0, 1e-3);
+  EXPECT_GT(summary.predicted.psnr.mean, 21);
+  EXPECT_GT(summary.predicted.ssim.mean, 0.72);
+  EXPECT_GT(summary.predicted.psnr.mean, summary.rotation.psnr.mean + 5);
+  EXPECT_GT(summary.psnr_over_seen.mean, 22);
+}
+
+}  // namespace
+}  // namespace foreview
