@@ -104,7 +104,9 @@ CameraModel random_camera(DistortionModel distortion, Random& random) {
   camera.principal_point = {random.in(70, 95), random.in(50, 70)};
   camera.distortion_model = distortion;
   if (distortion == DistortionModel::plumb_bob) {
-    camera.distortion = {random.in(-0.3, 0.15), random.in(-0.05, 0.08), 0.002, -0.0015, 0.01, 0, 0, 0};
+    // Pincushion half the time: then the undistorted picture reaches beyond the lens's.
+    const double k1 = random.in(0, 1) < 0.5 ? random.in(0.05, 0.2) : random.in(-0.3, -0.05);
+    camera.distortion = {k1, random.in(-0.05, 0.08), 0.002, -0.0015, 0.01, 0, 0, 0};
   }
   if (distortion == DistortionModel::fisheye) camera.distortion = {-0.02, 0.006, -0.003, 0.0005, 0, 0, 0, 0};
   return camera;
