@@ -13,9 +13,9 @@
 #include <string_view>
 #include <vector>
 
-#include "foreview/gpu/output_file.h"
 #include "foreview/gpu/texture_store.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/output_file.h"
 
 namespace foreview {
 namespace {
@@ -134,12 +134,10 @@ class GlbBuilder {
     const auto word = [](std::size_t value) { return static_cast<std::uint32_t>(value); };
     const std::array<std::uint32_t, 5> head{kGlbMagic, 2, word(length), word(text.size()), kJsonChunk};
     const std::array<std::uint32_t, 2> binary_head{word(binary_.size()), kBinaryChunk};
-    const std::filesystem::path beside = file.string() + ".new";
-    write_pieces(beside, {{reinterpret_cast<const char*>(head.data()), sizeof head},
-                          text,
-                          {reinterpret_cast<const char*>(binary_head.data()), sizeof binary_head},
-                          binary_});
-    replace_file(beside, file);
+    write_file_whole(file, {{reinterpret_cast<const char*>(head.data()), sizeof head},
+                            text,
+                            {reinterpret_cast<const char*>(binary_head.data()), sizeof binary_head},
+                            binary_});
   }
 
  private:

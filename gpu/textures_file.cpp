@@ -4,11 +4,11 @@
 #include <system_error>
 #include <utility>
 
-#include "foreview/gpu/output_file.h"
 #include "foreview/gpu/texture_store.h"
 #include "foreview/gpu/textures_format.h"
 #include "foreview/scene/errors.h"
 #include "foreview/scene/input_file.h"
+#include "foreview/scene/output_file.h"
 
 namespace foreview {
 namespace {
@@ -69,7 +69,7 @@ void save_textures(const TextureStore& store, const fs::path& directory) {
 
   std::vector<std::string> files;
   const auto write_beside = [&](const std::string& name, std::string_view bytes) {
-    write_pieces(directory / (name + ".new"), {bytes});
+    write_file_whole(directory / (name + ".new"), bytes);
     files.push_back(name);
   };
   TexturesIndex index;

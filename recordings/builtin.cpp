@@ -17,7 +17,7 @@
 #include <system_error>
 #include <thread>
 
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/recordings/synthetic/noise.h"
 #include "foreview/recordings/synthetic/ordered_work.h"
 #include "foreview/recordings/synthetic/renderer.h"

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <system_error>
 
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/recordings/recording.h"
 #include "foreview/recordings/recording_yaml.h"
 #include "foreview/scene/errors.h"

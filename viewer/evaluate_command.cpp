@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "foreview/gpu/offscreen_context.h"
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/evaluation.h"

@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/rotation_warp.h"
 #include "foreview/viewer/silhouettes.h"

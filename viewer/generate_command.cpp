@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/recordings/builtin.h"
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/interrupt.h"

@@ -4,7 +4,7 @@
 #include <system_error>
 #include <vector>
 
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
 
 namespace foreview {

@@ -4,7 +4,7 @@
 #include <csignal>
 #include <filesystem>
 
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/recordings/recording.h"
 #include "sample_recording.h"
 

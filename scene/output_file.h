@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,10 @@ namespace foreview {
 /// InputError naming the file where the disk refuses; then nothing new is left behind.
 void write_file_whole(const std::filesystem::path& file, std::span<const unsigned char> bytes);
 void write_file_whole(const std::filesystem::path& file, std::string_view text);
+/// The pieces one after the other, for files too large to copy together.
+void write_file_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
+/// Moves a whole file over another, at once; where that is refused `from` is removed. Throws InputError naming `to`.
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// A text file to which only whole lines are ever appended.
 class LineFile {

@@ -1,4 +1,4 @@
-#include "foreview/recordings/atomic_file.h"
+#include "foreview/scene/output_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -37,16 +37,30 @@ void write_file_whole(const std::filesystem::path& file, std::span<const unsigne
 }
 
 void write_file_whole(const std::filesystem::path& file, std::string_view text) {
+  write_file_whole(file, {text});
+}
+
+void write_file_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces) {
   const std::filesystem::path beside = file.string() + ".part";
   const int descriptor = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) throw refused(file, errno);
-  int code = write_all(descriptor, text.data(), text.size());
+  int code = 0;
+  for (const std::string_view piece : pieces) {
+    if (code == 0) code = write_all(descriptor, piece.data(), piece.size());
+  }
   if (::close(descriptor) != 0 && code == 0) code = errno;
-  if (code == 0 && ::rename(beside.c_str(), file.c_str()) != 0) code = errno;
   if (code != 0) {
     ::unlink(beside.c_str());
     throw refused(file, code);
   }
+  replace_file(beside, file);
+}
+
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (::rename(from.c_str(), to.c_str()) == 0) return;
+  const int code = errno;
+  ::unlink(from.c_str());
+  throw refused(to, code);
 }
 
 LineFile::LineFile(std::filesystem::path file, std::string header) : file_(std::move(file)), kept_(std::move(header)) {}
