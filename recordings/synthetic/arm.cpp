@@ -78,7 +78,7 @@ Parts build(Site& site, SiteBuilder& builder, std::uint32_t fixed_part, const Po
   const std::uint32_t stripe = builder.surface({Material::hazard, {0.95F, 0.78F, 0.10F}, {0.08F, 0.08F, 0.08F}, 5, ""});
   const std::uint32_t dark =
       builder.surface({Material::metal, {0.25F, 0.26F, 0.29F}, {0.85F, 0.85F, 0.80F}, 6, "GRIP"});
-  constexpr int kSides = 10;
+  constexpr int kSides = 8;
 
   builder.lathe(fixed_part, world_from_base,
                 {{0.13, 0, stripe}, {0.13, 0.04, shell}, {0.095, 0.12, shell}, {0.085, 0.28, shell}}, kSides, drum,

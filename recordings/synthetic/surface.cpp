@@ -195,7 +195,7 @@ vec3 poster(const Surface& s, vec2 p, vec2 size) {
   c = mix(c, vec3(0.95F, 0.94F, 0.90F), strip);
   c = mix(c, vec3(0.1F),
           0.85F * small_print(p, {size.x * 0.07F, size.y * 0.08F}, {size.x * 0.93F, size.y * 0.24F}, 0.018F, s.seed));
-  const float dot = size.x * 0.86F / std::max(lettering_width(s.text, 1), 1.0F);
+  const float dot = std::min(size.x * 0.86F / std::max(lettering_width(s.text, 1), 1.0F), size.y * 0.10F / 7);
   c = mix(c, vec3(0.98F), rectangle(p, {0, size.y * 0.86F}, {size.x, size.y}));
   c = mix(c, vec3(0.75F, 0.1F, 0.1F), text(s.text, p, {size.x * 0.07F, size.y * 0.93F - 3.5F * dot}, dot));
   const float frame = 1 - rectangle(p, vec2(0.012F), size - vec2(0.012F));

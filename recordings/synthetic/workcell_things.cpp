@@ -102,23 +102,23 @@ void WorkcellThings::row(const dvec3& start, double length, double depth, double
     const float kind = dice();
     const double gap = 0.05 + 0.22 * dice();
     const double tall = headroom * (0.55 + 0.35 * dice());
-    if (kind < 0.40F) {
-      const double w = std::min(0.20 + 0.22 * dice(), length - x);
+    if (kind < 0.48F) {
+      const double w = std::min(0.24 + 0.22 * dice(), length - x);
       carton(start + dvec3(x + w / 2, depth * 0.5, 0), {w, depth * 0.8, tall}, 0.12 * (dice() - 0.5));
       x += w + gap;
-    } else if (kind < 0.57F) {
-      const int count = 2 + static_cast<int>(dice() * 2);
+    } else if (kind < 0.59F) {
+      const int count = 2 + static_cast<int>(dice() * 1.5);
       for (int i = 0; i < count && x < length - 0.06; ++i) {
         const double w = 0.05 + 0.025 * dice();
         binder(start + dvec3(x + w / 2, depth * 0.45, 0), {w, depth * 0.75, headroom * 0.86});
         x += w + 0.004;
       }
       x += gap;
-    } else if (kind < 0.80F) {
-      const double w = std::min(0.20 + 0.15 * dice(), length - x);
+    } else if (kind < 0.92F) {
+      const double w = std::min(0.24 + 0.18 * dice(), length - x);
       bin(start + dvec3(x + w / 2, depth * 0.5, 0), {w, depth * 0.85, tall * 0.7}, 0);
       x += w + gap;
-    } else if (kind < 0.91F) {
+    } else if (kind < 0.96F) {
       const double r = 0.035 + 0.02 * dice();
       bottle(start + dvec3(x + r, depth * (0.35 + 0.2 * dice()), 0), r, std::min(tall, 0.30), 8);
       x += 2 * r + gap;
@@ -153,7 +153,7 @@ void WorkcellThings::build_shell(const dvec3& room) {
     const std::uint32_t print = builder_.surface({Material::poster, a, b, 0, title});
     builder_.box(part_, placed(centre), size, {print, housing}, {size.x > 0.1 ? 2 : 1, size.y > 0.1 ? 2 : 1, 2});
   };
-  poster({0.012, 1.55, 1.62}, {0.02, 0.75, 0.95}, "SAFETY FIRST", {0.15F, 0.35F, 0.60F}, {0.85F, 0.85F, 0.60F});
+  poster({0.012, 0.62, 1.62}, {0.02, 0.75, 0.95}, "SAFETY FIRST", {0.15F, 0.35F, 0.60F}, {0.85F, 0.85F, 0.60F});
   poster({0.012, 3.05, 1.55}, {0.02, 0.60, 0.80}, "TORQUE CHART", {0.80F, 0.75F, 0.60F}, {0.55F, 0.20F, 0.15F});
   poster({4.988, 3.3, 1.70}, {0.02, 0.80, 0.80}, "CELL 7 LAYOUT", {0.20F, 0.45F, 0.35F}, {0.90F, 0.90F, 0.85F});
 }
@@ -168,7 +168,7 @@ void WorkcellThings::build_bench(const glm::dvec2& centre, const glm::dvec2& siz
       builder_.box(
           part_,
           placed({centre.x + sx * (size.x / 2 - 0.06), centre.y + sy * (size.y / 2 - 0.06), (height - 0.06) / 2}),
-          {0.07, 0.07, height - 0.06}, steel, {1, 1, 2});
+          {0.07, 0.07, height - 0.06}, steel, {1, 1, 1});
     }
   }
   builder_.box(part_, placed({centre.x, centre.y, 0.22}), {size.x - 0.2, size.y - 0.2, 0.03}, steel, {5, 2, 1});
@@ -193,12 +193,12 @@ void WorkcellThings::build_bench(const glm::dvec2& centre, const glm::dvec2& siz
   bin({1.55, 3.10, height}, {0.26, 0.18, 0.14}, -0.2);
   carton({3.35, 3.20, height}, {0.30, 0.24, 0.22}, 0.3);
   carton({1.95, 3.25, height}, {0.22, 0.20, 0.17}, -0.4);
-  bottle({1.86, 2.64, height}, 0.04, 0.20, 10);
-  bottle({2.80, 3.05, height}, 0.045, 0.24, 10);
+  bottle({1.86, 2.64, height}, 0.04, 0.20, 8);
+  bottle({2.80, 3.05, height}, 0.045, 0.24, 8);
   bottle({3.20, 2.97, height}, 0.036, 0.18, 8);
-  can({1.74, 2.92, height}, 0.055, 0.12, 10);
-  can({2.72, 2.60, height}, 0.040, 0.09, 10);
-  can({3.24, 2.58, height}, 0.05, 0.11, 10);
+  can({1.74, 2.92, height}, 0.055, 0.12, 8);
+  can({2.72, 2.60, height}, 0.040, 0.09, 8);
+  can({3.24, 2.58, height}, 0.05, 0.11, 8);
   const std::uint32_t hex = builder_.surface({Material::metal, {0.68F, 0.62F, 0.45F}, {0.3F, 0.3F, 0.3F}, 0, "M24"});
   for (int i = 0; i < 3; ++i) {
     builder_.begin_object();
@@ -225,12 +225,12 @@ void WorkcellThings::build_shelf(const glm::dvec2& corner, double length) {
   const std::array<double, 4> heights{0.28, 0.78, 1.27, 1.75};
   for (const double z : heights) {
     builder_.box(part_, placed({corner.x + length / 2, corner.y + kDepth / 2, z}), {length, kDepth, 0.03}, board,
-                 {8, 1, 1});
+                 {7, 1, 1});
   }
   const double bay = (length + 0.04) / kBays;
   for (int i = 0; i <= kBays; ++i) {
     builder_.box(part_, placed({corner.x - 0.02 + i * bay, corner.y + kDepth / 2, 1.04}), {0.03, kDepth + 0.01, 2.08},
-                 upright, {1, 1, 4});
+                 upright, {1, 1, 3});
   }
   for (std::size_t level = 0; level < heights.size(); ++level) {
     const double headroom = level + 1 < heights.size() ? heights[level + 1] - heights[level] - 0.05 : 0.40;
@@ -252,7 +252,7 @@ void WorkcellThings::build_side_rack() {
   }
   for (int i = 0; i < 4; ++i) {
     bin({0.22, 2.45 + 0.33 * i, 0.465}, {0.26, 0.24, 0.20}, 0.05 * i);
-    can({0.20, 2.45 + 0.33 * i, 0.915}, 0.06 + 0.01 * i, 0.16, 12);
+    can({0.20, 2.45 + 0.33 * i, 0.915}, 0.06 + 0.01 * i, 0.16, 6 + 2 * (i % 2));
   }
   carton({0.25, 2.75, 0.0}, {0.30, 0.5, 0.32}, 0.05);
   carton({0.25, 3.4, 0.0}, {0.30, 0.45, 0.28}, -0.05);
@@ -268,7 +268,7 @@ void WorkcellThings::build_machine() {
   const std::uint32_t stripe =
       builder_.surface({Material::hazard, {0.93F, 0.76F, 0.12F}, {0.10F, 0.10F, 0.10F}, 0, ""});
   builder_.box(part_, placed({4.55, 2.6, 1.63}), {0.5, 0.8, 0.06}, stripe, {1, 2, 1});
-  for (int i = 0; i < 3; ++i) can({4.42 + 0.1 * (i % 2), 2.32 + 0.27 * i, 1.66}, 0.07, 0.22, 14);
+  for (int i = 0; i < 3; ++i) can({4.42 + 0.1 * (i % 2), 2.32 + 0.27 * i, 1.66}, 0.07, 0.22, 8);
   carton({4.5, 1.6, 0.0}, {0.5, 0.45, 0.42}, 0.2);
   carton({4.52, 1.6, 0.42}, {0.38, 0.35, 0.30}, -0.15);
   carton({0.9, 2.1, 0.0}, {0.4, 0.4, 0.35}, 0.5);
