@@ -9,24 +9,23 @@
 namespace foreview::synthetic {
 namespace {
 
-constexpr double kTexelsPerMetre = 600;
 constexpr int kMargin = 3;  // texels
 constexpr std::size_t kLevels = 6;
 
 }  // namespace
 
-void BakedSurface::bake(const Surface& surface, const FaceSurface& face, const glm::dvec2& low,
-                        const glm::dvec2& high) {
-  low_ = glm::vec2(low - kMargin / kTexelsPerMetre);
+void BakedSurface::bake(const Surface& surface, const FaceSurface& face, const glm::dvec2& low, const glm::dvec2& high,
+                        double texels_per_metre) {
+  density_ = static_cast<float>(texels_per_metre);
+  low_ = glm::vec2(low - kMargin / texels_per_metre);
   Level base;
-  base.width = static_cast<int>(std::ceil((high.x - low.x) * kTexelsPerMetre)) + 2 * kMargin;
-  base.height = static_cast<int>(std::ceil((high.y - low.y) * kTexelsPerMetre)) + 2 * kMargin;
+  base.width = static_cast<int>(std::ceil((high.x - low.x) * texels_per_metre)) + 2 * kMargin;
+  base.height = static_cast<int>(std::ceil((high.y - low.y) * texels_per_metre)) + 2 * kMargin;
   base.texels.reserve(static_cast<std::size_t>(base.width) * static_cast<std::size_t>(base.height));
   const glm::vec2 size(face.size);
   for (int y = 0; y < base.height; ++y) {
     for (int x = 0; x < base.width; ++x) {
-      const glm::vec2 uv = low_ + glm::vec2(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F) /
-                                      static_cast<float>(kTexelsPerMetre);
+      const glm::vec2 uv = low_ + glm::vec2(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F) / density_;
       const glm::vec3 c = surface_colour(surface, uv, size) * 255.0F + 0.5F;
       base.texels.push_back(
           {static_cast<std::uint8_t>(c.r), static_cast<std::uint8_t>(c.g), static_cast<std::uint8_t>(c.b), 0});
@@ -86,16 +85,15 @@ glm::vec3 BakedSurface::trilinear(float level, const glm::vec2& texel) const {
 }
 
 glm::vec3 BakedSurface::colour(const glm::vec2& uv, const glm::vec2& across, const glm::vec2& down) const {
-  constexpr auto kDensity = static_cast<float>(kTexelsPerMetre);
-  const glm::vec2 texel = (uv - low_) * kDensity;
+  const glm::vec2 texel = (uv - low_) * density_;
   const float a = glm::dot(across, across), d = glm::dot(down, down);
-  const float longer = std::sqrt(std::max(a, d)) * kDensity, shorter = std::sqrt(std::min(a, d)) * kDensity;
+  const float longer = std::sqrt(std::max(a, d)) * density_, shorter = std::sqrt(std::min(a, d)) * density_;
   // Slanted faces: several taps along the longer side, so that the shorter one stays sharp.
   constexpr float kMaxTaps = 6;
   const float taps = std::clamp(std::ceil(longer / std::max(shorter, 1.0F) - 0.2F), 1.0F, kMaxTaps);
   const float level = std::log2(std::max(std::max(shorter, longer / taps), 1e-6F)) - 0.3F;
   if (taps < 1.5F) return trilinear(level, texel) * (1.0F / 255);
-  const glm::vec2 step = (a > d ? across : down) * (kDensity / taps);
+  const glm::vec2 step = (a > d ? across : down) * (density_ / taps);
   glm::vec3 sum{0};
   for (float i = 0.5F - taps / 2; i < taps / 2; i += 1.0F) sum += trilinear(level, texel + step * i);
   return sum * (1.0F / (255 * taps));

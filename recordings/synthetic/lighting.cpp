@@ -11,7 +11,6 @@
 namespace foreview::synthetic {
 namespace {
 
-constexpr double kGridStep = 0.045;    // metres between points of a grid
 constexpr float kAmbientReach = 0.9F;  // metres: beyond, nothing dims the ambient light
 constexpr int kLampGrid = 3;           // sample points along a lamp's sides
 
@@ -116,14 +115,14 @@ LightGrid::Light Lighting::static_light(const glm::vec3& p, const glm::vec3& nor
   return result;
 }
 
-LightGrid Lighting::make_grid(std::size_t face, const glm::dvec2& low, const glm::dvec2& high) const {
+LightGrid Lighting::make_grid(std::size_t face, const glm::dvec2& low, const glm::dvec2& high, double step) const {
   const FaceSurface& look = site_.faces[face];
   const auto& corners = site_.mesh.faces[face];
   const auto vertex = [&](std::size_t i) { return site_.mesh.vertices[corners[i % corners.size()]]; };
   LightGrid grid;
   const glm::dvec2 extent = high - low;
-  grid.across = std::clamp(static_cast<int>(std::ceil(extent.x / kGridStep)) + 1, 2, 64);
-  grid.down = std::clamp(static_cast<int>(std::ceil(extent.y / kGridStep)) + 1, 2, 64);
+  grid.across = std::clamp(static_cast<int>(std::ceil(extent.x / step)) + 1, 2, 64);
+  grid.down = std::clamp(static_cast<int>(std::ceil(extent.y / step)) + 1, 2, 64);
   grid.low = glm::vec2(low);
   grid.cells_per_metre = glm::vec2((grid.across - 1) / extent.x, (grid.down - 1) / extent.y);
   grid.normal = glm::normalize(glm::cross(vertex(1) - vertex(0), vertex(2) - vertex(0)));

@@ -30,8 +30,9 @@ class Lighting {
  public:
   explicit Lighting(const Site& site);
 
-  /// Lays out a face's grid over its corners' (u, v) box; for a face that never moves the light is computed too.
-  [[nodiscard]] LightGrid make_grid(std::size_t face, const glm::dvec2& low, const glm::dvec2& high) const;
+  /// Lays out a face's grid over its corners' (u, v) box, points `step` metres apart at most; for a face that never
+  /// moves the light is computed too.
+  [[nodiscard]] LightGrid make_grid(std::size_t face, const glm::dvec2& low, const glm::dvec2& high, double step) const;
 
   /// What changes with time: lamps' brightness and where the moving occluders are.
   struct Moment {

@@ -67,8 +67,10 @@ struct Renderer::State {
   const Face& prepared(std::size_t f) {
     Face& face = faces[f];
     std::call_once(face.once, [&] {
-      face.surface.bake(site.surfaces[site.faces[f].surface], site.faces[f], face.low, face.high);
-      face.grid = lighting.make_grid(f, face.low, face.high);
+      const bool is_scenery = site.model_faces > 0 && f >= site.model_faces;
+      face.surface.bake(site.surfaces[site.faces[f].surface], site.faces[f], face.low, face.high,
+                        is_scenery ? 150 : 600);
+      face.grid = lighting.make_grid(f, face.low, face.high, is_scenery ? 0.25 : 0.055);
     });
     return face;
   }

@@ -135,12 +135,12 @@ Site make_workcell_site() {
     return [=](double t) { return 1 + strength * std::sin(2 * std::numbers::pi * t / 17.0 + phase); };
   };
   site.lights.push_back(
-      {{1.5, 2.3, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.25, slow(0.0, 0.10)});
+      {{1.5, 2.3, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.55, slow(0.0, 0.10)});
   site.lights.push_back(
-      {{3.5, 2.0, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.25, slow(0.0, 0.10)});
+      {{3.5, 2.0, 2.36}, {0.6, 0, 0}, {0, 0.15, 0}, {0, 0, -1}, {1.0F, 0.97F, 0.90F}, 1.55, slow(0.0, 0.10)});
   site.lights.push_back(
       {{4.0, 0.06, 1.6}, {0.5, 0, 0}, {0, 0, 0.45}, {0, 1, 0}, {0.80F, 0.90F, 1.0F}, 2.2, slow(1.6, 0.12)});
-  site.ambient = {0.40F, 0.41F, 0.43F};
+  site.ambient = {0.30F, 0.31F, 0.33F};
   site.ambient_over_time = slow(0.6, 0.10);
 
   site.cameras = {stereo_camera("left", true), stereo_camera("right", false)};

@@ -15,6 +15,7 @@
 
 #include "foreview/recordings/synthetic/arm.h"
 #include "foreview/recordings/synthetic/renderer.h"
+#include "foreview/recordings/synthetic/sensor_noise.h"
 #include "foreview/recordings/synthetic/site_builder.h"
 #include "foreview/scene/errors.h"
 
@@ -116,24 +117,27 @@ TEST(BuiltinRecordings, PicturesShowAsManyPolygonsAsIn2005) {
 
 TEST(BuiltinRecordings, DelayedPicturesAreHardAndPointsMoveFar) {
   const CameraModel camera = smaller(workcell().camera(0), 0.4);
-  double sum = 0, least_motion = 1e9;
+  double sum = 0;
   int count = 0;
   for (std::size_t i = 20; i < 320; i += 30) {
     const Timestamp now = workcell().stamp(i), before = workcell().stamp(i - 13);
     const Pose here = workcell().world_from_camera(0, now), there = workcell().world_from_camera(0, before);
     sum += cv::PSNR(workcell().render(camera, here, now), workcell().render(camera, there, before));
     ++count;
-    const glm::dvec3 point = here * glm::dvec3(0, 0, 2);
-    const glm::dvec3 seen_before = there.inverse() * point;
-    if (seen_before.z > 0.1) {
-      const glm::dvec2 way =
-          workcell().camera(0).pixel_from_camera(seen_before) - workcell().camera(0).pixel_from_camera({0, 0, 2});
-      least_motion = std::min(least_motion, glm::length(way));
-    }
   }
   EXPECT_GE(sum / count, 12.0);
   EXPECT_LE(sum / count, 16.0);
-  EXPECT_GE(least_motion, 20.0);
+  // The point two metres ahead, at every instant: at least 20 pixels, but for moments of return.
+  int far = 0, all = 0;
+  for (std::size_t i = 13; i < 320; ++i, ++all) {
+    const Pose here = workcell().world_from_camera(0, workcell().stamp(i));
+    const Pose there = workcell().world_from_camera(0, workcell().stamp(i - 13));
+    const glm::dvec3 seen_before = there.inverse() * (here * glm::dvec3(0, 0, 2));
+    const glm::dvec2 way = workcell().camera(0).pixel_from_camera({seen_before.x, seen_before.y, 2}) -
+                           workcell().camera(0).pixel_from_camera({0, 0, 2});
+    far += glm::length(way) >= 20 ? 1 : 0;
+  }
+  EXPECT_GE(far, all * 90 / 100);
 }
 
 // A cube of one colour before black: its area's centre and its rim say where the renderer puts corners.
@@ -147,7 +151,9 @@ TEST(BuiltinRecordings, RendererPutsCornersWhereTheCameraModelDoes) {
   for (const glm::dvec2& at : places) {
     builder.box(part, synthetic::placed({at.x, kDistance + kHalf, -at.y}), glm::dvec3(2 * kHalf), lamp);
   }
-  site.lights.push_back({{0, 0, 3}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, -1}, {1, 1, 1}, 1, [](double) { return 1.0; }});
+  // A lamp is shown 1.6 times as bright as its light: here exactly white.
+  site.lights.push_back(
+      {{0, 0, 3}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, -1}, {1, 1, 1}, 1, [](double) { return 1 / 1.6; }});
   site.ambient_over_time = [](double) { return 1.0; };
   site.world_from_part = [](double) { return std::vector<Pose>(1); };
   const synthetic::Renderer renderer(site);
@@ -232,7 +238,30 @@ TEST(BuiltinRecordings, WrittenRecordingsReadBackWhole) {
   }
 }
 
-TEST(BuiltinRecordings, SensorNoiseIsAsStrongAsAsked) {
+TEST(SensorNoise, HasItsStrengthAndSharesWhatItShould) {
+  cv::Mat picture(200, 300, CV_8UC3, cv::Scalar::all(128));
+  synthetic::add_sensor_noise(picture, 2.4, 0.5, 7);
+  cv::Scalar mean, sigma;
+  cv::meanStdDev(picture, mean, sigma);
+  double together = 0;
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const auto& pixel = picture.at<cv::Vec3b>(y, x);
+      together += (pixel[0] - mean[0]) * (pixel[2] - mean[2]);
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(mean[c], 128, 0.05);
+    // Rounding to whole values adds 1/12 to the variance.
+    EXPECT_NEAR(sigma[c], std::sqrt(2.4 * 2.4 + 1.0 / 12), 0.05);
+  }
+  EXPECT_NEAR(together / static_cast<double>(picture.total()), 0.5 * 2.4 * 2.4, 0.1);
+  cv::Mat other(200, 300, CV_8UC3, cv::Scalar::all(128));
+  synthetic::add_sensor_noise(other, 2.4, 0.5, 8);
+  EXPECT_GT(cv::norm(picture, other, cv::NORM_L2), 3 * std::sqrt(60'000.0 * 3));
+}
+
+TEST(BuiltinRecordings, PicturesOnDiskAreNoisyStill) {
   GenerateOptions options = tiny("workcell");
   options.pictures = 1;
   options.scale = 0.5;
@@ -242,13 +271,25 @@ TEST(BuiltinRecordings, SensorNoiseIsAsStrongAsAsked) {
   const Timestamp stamp = recording.cameras()[0].pictures[0].stamp;
   const cv::Mat truth = workcell().render(recording.cameras()[0].model, workcell().world_from_camera(0, stamp), stamp);
   cv::Mat difference;
-  cv::subtract(recording.read_picture(0, 0), truth, difference, cv::noArray(), CV_64F);
-  cv::Scalar mean, sigma;
-  cv::meanStdDev(difference, mean, sigma);
+  cv::subtract(recording.read_picture(0, 0), truth, difference, cv::noArray(), CV_16S);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(mean[c], 0, 0.2);
-    EXPECT_GE(sigma[c], 2.0);
-    EXPECT_LE(sigma[c], 5.0);
+    // The median of the magnitude: JPEG's errors at coloured edges are large, but few.
+    std::vector<int> magnitudes;
+    double sum = 0;
+    for (int y = 0; y < difference.rows; ++y) {
+      for (int x = 0; x < difference.cols; ++x) {
+        const int d = difference.at<cv::Vec3s>(y, x)[c];
+        // A tie-breaking fraction of whole numbers: 100 d plus something spread over one step.
+        magnitudes.push_back(std::abs(100 * d + (x * 37 + y * 61) % 100 - 50));
+        sum += d;
+      }
+    }
+    std::nth_element(magnitudes.begin(), magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2),
+                     magnitudes.end());
+    const double sigma = magnitudes[magnitudes.size() / 2] / 100.0 * 1.4826;
+    EXPECT_NEAR(sum / static_cast<double>(magnitudes.size()), 0, 0.2);
+    EXPECT_GE(sigma, 2.0);
+    EXPECT_LE(sigma, 6.0);
   }
 }
 
@@ -272,7 +313,7 @@ TEST(BuiltinRecordings, WorkpieceRidesInTheGripperAndStaysWhereItIsPut) {
   EXPECT_GT(highest, 0.25);
   EXPECT_EQ(at(0.0)[workpiece], at(2.8)[workpiece]);
   EXPECT_EQ(at(8.0)[workpiece], at(12.7)[workpiece]);
-  EXPECT_NEAR(at(12.7)[workpiece].translation.z, gripped[workpiece].translation.z, 1e-9);
+  EXPECT_NEAR(at(12.7)[workpiece].translation.z, at(0.0)[workpiece].translation.z, 1e-9);
 }
 
 TEST(BuiltinRecordings, JointAnglesReachTheirPosesAndNeverJump) {
