@@ -146,8 +146,9 @@ TEST(Silhouettes, ArePlacedWhereTheUsedPictureSawThemThoughPartsMoved) {
   CaptureState used_state;
   used_state.world_from_part = {Pose{}, Pose{glm::dquat(1, 0, 0, 0), {0, 0, 1}}};
   PredictedState state;
-  // The board has gone up and away, and the camera has moved to the right and turned a little.
-  state.world_from_part = {Pose{}, Pose{glm::dquat(1, 0, 0, 0), {0.05, -0.35, 1.2}}};
+  // The board has gone up and away, the wall has slid to the lower right, the camera has moved and turned a little.
+  const glm::dvec3 slide(0.15, 0.1, 0);
+  state.world_from_part = {Pose{glm::dquat(1, 0, 0, 0), slide}, Pose{glm::dquat(1, 0, 0, 0), {0.05, -0.35, 1.2}}};
   state.world_from_camera = {glm::angleAxis(-0.05, glm::dvec3(0, 1, 0)), {0.2, 0.02, 0}};
   const SurfaceMap used = surface_seen(model, camera, used_state.world_from_camera, used_state.world_from_part);
   const SurfaceMap now = surface_seen(model, camera, state.world_from_camera, state.world_from_part);
@@ -164,7 +165,7 @@ TEST(Silhouettes, ArePlacedWhereTheUsedPictureSawThemThoughPartsMoved) {
       // 32 pixels wide, 32..64 and 20..52.
       const glm::dvec3 ray = state.world_from_camera.rotate(camera.ray_from_pixel({x + 0.5, y + 0.5}));
       const glm::dvec3 eye = state.world_from_camera.translation;
-      const glm::dvec2 pixel = camera.pixel_from_camera(eye + ray * ((2 - eye.z) / ray.z));
+      const glm::dvec2 pixel = camera.pixel_from_camera(eye + ray * ((2 - eye.z) / ray.z) - slide);
       const double beyond_x = std::abs(pixel.x - 48) - 16, beyond_y = std::abs(pixel.y - 36) - 16;
       const double away = beyond_x > 0 && beyond_y > 0 ? std::hypot(beyond_x, beyond_y) : std::max(beyond_x, beyond_y);
       if (away < -1) {
