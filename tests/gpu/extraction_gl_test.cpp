@@ -481,13 +481,12 @@ TEST_F(ExtractionTest, PolygonsCrossTheCameraPlane) {
   const ExtractionStatistics statistics = pipeline_->extract(frame());
   EXPECT_EQ(statistics.polygons_visible, 1U);
   const auto result = pipeline_->inspect(frame(), 0);
+  const PolygonFrame plane = polygon_frame(*model_, 0);
   int valid = 0;
   for (int y = 0; y < result.fused.rows; ++y) {
     for (int x = 0; x < result.fused.cols; ++x) {
       const auto& texel = result.fused.at<cv::Vec4b>(y, x);
-      const glm::dvec2 q =
-          glm::dvec2(x + 0.5, y + 0.5) / glm::dvec2(result.fused.cols, result.fused.rows) * glm::dvec2(1);
-      const PolygonFrame plane = polygon_frame(*model_, 0);
+      const glm::dvec2 q = glm::dvec2(x + 0.5, y + 0.5) / glm::dvec2(result.fused.cols, result.fused.rows);
       const glm::dvec3 p = plane.part_from_plane(q * plane.extent);
       if (texel[3] == 0) continue;
       ++valid;
