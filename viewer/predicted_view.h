@@ -18,7 +18,7 @@ struct ViewStyle {
 /// Draws the textured model as the operator sees it: PredictedState in, picture out. Knows textures only through the
 /// store, not how they are made.
 ///
-/// A polygon's front wears its chart (trilinear between levels, up to 8 taps along a footprint's longer axis, no tap
+/// A polygon's front wears its chart (trilinear between levels, up to 4 taps along a footprint's longer axis, no tap
 /// ever outside the chart; magnified: bilinear). A polygon that no picture has shown has its state's colour. Nothing is
 /// culled: a back face is drawn in its polygon's mean colour, halfway to grey. No picture can ever texture it, but to
 /// leave it out would open walls where the model's winding is wrong, or show free space where something solid stands.
