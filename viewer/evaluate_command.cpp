@@ -1,10 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "foreview/gpu/offscreen_context.h"
-#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/evaluation.h"
 #include "foreview/viewer/evaluation_report.h"
@@ -21,6 +22,11 @@ struct EvaluateCommand {
   std::filesystem::path json;
 
   void run() const {
+    // Found out at the end, it would cost the whole run.
+    const std::filesystem::path folder = json.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+      throw InputError("--json", "no such directory: " + folder.string());
+    }
     const GlDebug debug = gl_debug_from_environment();
     OffscreenContext::Options context_options;
     context_options.debug = debug != GlDebug::off;
