@@ -16,7 +16,8 @@
 namespace foreview {
 namespace {
 
-constexpr double kIdleWait = 0.05;  // seconds; while nothing moves, look again this often
+constexpr int kSmallestWidth = 640;  // small pictures are enlarged to about this
+constexpr double kIdleWait = 0.05;   // seconds; while nothing moves, look again this often
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -36,6 +37,9 @@ class WindowReplay {
         name_(replayer.recording().name()) {}
 
   ReplaySummary run() {
+    const FrameComposer::Size native = composer_.native_size(control_.choice().mode);
+    const int enlarged = std::max(1, kSmallestWidth / std::max(native.width, 1));
+    window_.resize(native.width * enlarged, native.height * enlarged);
     double last_tick = now();
     while (!finished()) {
       const double time = now();

@@ -60,6 +60,17 @@ std::optional<Key> letter_key(char letter) {
   }
 }
 
+void limit_to_monitor(int& width, int& height) {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (monitor == nullptr) return;
+  int x = 0, y = 0, most_width = width, most_height = height;
+  glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
+  const double scale =
+      std::min({1.0, static_cast<double>(most_width) / width, static_cast<double>(most_height) / height});
+  width = std::max(static_cast<int>(width * scale), 1);
+  height = std::max(static_cast<int>(height * scale), 1);
+}
+
 }  // namespace
 
 Window::Window(const std::string& title, int width, int height) : title_(title) {
@@ -75,14 +86,7 @@ Window::Window(const std::string& title, int width, int height) : title_(title) 
   // Frames come whole from off-screen targets: the window itself needs neither depth nor samples.
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
-  if (GLFWmonitor* monitor = glfwGetPrimaryMonitor(); monitor != nullptr) {
-    int x = 0, y = 0, most_width = width, most_height = height;
-    glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
-    const double scale =
-        std::min({1.0, static_cast<double>(most_width) / width, static_cast<double>(most_height) / height});
-    width = std::max(static_cast<int>(width * scale), 1);
-    height = std::max(static_cast<int>(height * scale), 1);
-  }
+  limit_to_monitor(width, height);
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) {
     const std::string why = glfw_error();
@@ -135,6 +139,11 @@ std::vector<Key> Window::take_keys() {
 
 bool Window::close_requested() const {
   return glfwWindowShouldClose(window_) == GLFW_TRUE;
+}
+
+void Window::resize(int width, int height) {
+  limit_to_monitor(width, height);
+  glfwSetWindowSize(window_, width, height);
 }
 
 void Window::set_title(const std::string& title) {

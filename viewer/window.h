@@ -26,6 +26,8 @@ class Window {
   /// Keys pressed since the last call, in order. Letters are those on the keys, whatever the keyboard's layout.
   [[nodiscard]] std::vector<ReplayControl::Key> take_keys();
   [[nodiscard]] bool close_requested() const;
+  /// As the constructor's width and height.
+  void resize(int width, int height);
   void set_title(const std::string& title);
 
   [[nodiscard]] int width() const { return width_; }    ///< pixels
