@@ -15,19 +15,26 @@ if(FOREVIEW_SANITIZE)
   endif()
 endif()
 
-# foreview_add_room(NAME SOURCES file... LINKS target... [PRIVATE_LINKS target...])
+# foreview_add_room(NAME [SOURCES file...] LINKS target... [PRIVATE_LINKS target...]). A room without sources keeps its
+# place in the order of includes.
 function(foreview_add_room NAME)
   cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   set(include_root ${PROJECT_BINARY_DIR}/rooms/${NAME})
   file(MAKE_DIRECTORY ${include_root}/foreview)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_root}/foreview/${NAME} SYMBOLIC)
-  add_library(foreview_${NAME} STATIC ${ROOM_SOURCES})
+  if(ROOM_SOURCES)
+    add_library(foreview_${NAME} STATIC ${ROOM_SOURCES})
+    set(scope PUBLIC)
+    target_link_libraries(foreview_${NAME} PRIVATE ${ROOM_PRIVATE_LINKS} $<BUILD_INTERFACE:foreview_warnings>)
+  else()
+    add_library(foreview_${NAME} INTERFACE)
+    set(scope INTERFACE)
+  endif()
   add_library(foreview::${NAME} ALIAS foreview_${NAME})
   set_target_properties(foreview_${NAME} PROPERTIES EXPORT_NAME ${NAME} POSITION_INDEPENDENT_CODE ON)
-  target_compile_features(foreview_${NAME} PUBLIC cxx_std_20)
-  target_include_directories(foreview_${NAME} PUBLIC $<BUILD_INTERFACE:${include_root}>
-                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(foreview_${NAME} PUBLIC ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS}
-                                         PRIVATE $<BUILD_INTERFACE:foreview_warnings>)
+  target_compile_features(foreview_${NAME} ${scope} cxx_std_20)
+  target_include_directories(foreview_${NAME} ${scope} $<BUILD_INTERFACE:${include_root}>
+                                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(foreview_${NAME} ${scope} ${ROOM_LINKS})
   set_property(GLOBAL APPEND PROPERTY FOREVIEW_ROOMS ${NAME})
 endfunction()
