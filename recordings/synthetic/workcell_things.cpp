@@ -171,7 +171,7 @@ void WorkcellThings::build_bench(const glm::dvec2& centre, const glm::dvec2& siz
           {0.07, 0.07, height - 0.06}, steel, {1, 1, 1});
     }
   }
-  builder_.box(part_, placed({centre.x, centre.y, 0.22}), {size.x - 0.2, size.y - 0.2, 0.03}, steel, {5, 2, 1});
+  builder_.box(part_, placed({centre.x, centre.y, 0.22}), {size.x - 0.2, size.y - 0.2, 0.03}, steel, {4, 2, 1});
   for (int i = 0; i < 3; ++i)
     carton({centre.x - 0.7 + i * 0.65, centre.y - 0.05, 0.235}, {0.42, 0.5, 0.30 + 0.04 * i}, 0.1 * i);
 
@@ -193,14 +193,14 @@ void WorkcellThings::build_bench(const glm::dvec2& centre, const glm::dvec2& siz
   bin({1.55, 3.10, height}, {0.26, 0.18, 0.14}, -0.2);
   carton({3.35, 3.20, height}, {0.30, 0.24, 0.22}, 0.3);
   carton({1.95, 3.25, height}, {0.22, 0.20, 0.17}, -0.4);
-  bottle({1.86, 2.64, height}, 0.04, 0.20, 8);
-  bottle({2.80, 3.05, height}, 0.045, 0.24, 8);
-  bottle({3.20, 2.97, height}, 0.036, 0.18, 8);
+  bottle({1.86, 2.64, height}, 0.04, 0.20, 7);
+  bottle({2.80, 3.05, height}, 0.045, 0.24, 7);
+  bottle({3.20, 2.97, height}, 0.036, 0.18, 6);
   can({1.74, 2.92, height}, 0.055, 0.12, 8);
   can({2.72, 2.60, height}, 0.040, 0.09, 8);
   can({3.24, 2.58, height}, 0.05, 0.11, 8);
   const std::uint32_t hex = builder_.surface({Material::metal, {0.68F, 0.62F, 0.45F}, {0.3F, 0.3F, 0.3F}, 0, "M24"});
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 2; ++i) {
     builder_.begin_object();
     builder_.prism(part_, placed({2.34 + 0.09 * i, 2.70 + 0.05 * (i % 2), height + 0.016}, i), 0.032, 0, 0.035, 6, hex,
                    hex);
