@@ -1,6 +1,7 @@
 #include "foreview/gpu/per_polygon/per_polygon_extraction.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <map>
 
 #include "gpu/gl_test_fixture.h"
@@ -36,12 +37,15 @@ struct Variant {
   int small_texture = 12;
   DistortionModel distortion = DistortionModel::none;
   bool backdrop = false;
+  Pose world_from_scene = {};  ///< moves all of it, camera included
   unsigned seed = 1;
 };
 
 /// One picture onto empty textures, every polygon. Returns how many pixels of the undistorted picture are unusable.
 std::ptrdiff_t compare_first_picture(const Variant& variant, const ChartOptions& charts, const std::string& what) {
-  const RandomScene scene = random_scene(variant.seed, variant.distortion, variant.backdrop);
+  RandomScene scene = random_scene(variant.seed, variant.distortion, variant.backdrop);
+  scene.frame.state.world_from_camera = variant.world_from_scene * scene.frame.state.world_from_camera;
+  for (Pose& pose : scene.frame.state.world_from_part) pose = variant.world_from_scene * pose;
   ExtractionOptions options;
   options.artefacts = variant.artefacts;
   options.passes = variant.passes;
@@ -136,6 +140,12 @@ TEST_F(PerPolygonOracle, CoarseAndFineTextures) {
                         "8 texels/m: many pixels a texel");
   compare_first_picture({.artefacts = ArtefactSuppression::diamond, .passes = 1, .seed = 62}, small_charts(600, 256),
                         "600 texels/m: many texels a pixel");
+}
+
+TEST_F(PerPolygonOracle, FarFromTheWorldsOrigin) {
+  const Pose far{glm::angleAxis(2.0, glm::normalize(glm::dvec3(1, -2, 0.5))), glm::dvec3(70'000, -30'000, 900)};
+  compare_first_picture({.artefacts = ArtefactSuppression::diamond, .passes = 3, .world_from_scene = far, .seed = 65},
+                        small_charts(), "76 km from the world's origin");
 }
 
 TEST_F(PerPolygonOracle, CountsWhatItSkips) {
