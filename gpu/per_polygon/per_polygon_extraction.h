@@ -62,8 +62,9 @@ namespace foreview {
 ///    - iterative: an invalid texel with a valid one among its 8 neighbours becomes the mean of the valid ones in its
 ///      5x5 window, as far as that lies in the texture; repeat, texels just filled counting as valid.
 ///    - none: as pyramid, but mid grey (128) where a texel is invalid and its centre lies in the polygon, or at most
-///      0.25 texels beyond an edge's line. Colours further out are never shown, yet filtering and coarse levels mix
-///      them with those that are.
+///      0.25 texels beyond an edge's line; or at most 2 texels, if the texel is invalid that contains the centre after
+///      moving it, for one edge after the other, to at least 1 texel inside the edge's line. Colours further out are
+///      never shown, yet coarse levels mix them with those that are.
 ///    No valid texel at all: mid grey everywhere.
 /// 8. *Copy to the chart*: each texel of the chart's block takes the bilinear sample (clamped) of the filled texture at
 ///    its own point of the plane, and alpha 1 or 0 from the texel that contains the point (clamped). Then the chart's

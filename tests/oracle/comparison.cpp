@@ -167,8 +167,7 @@ void Comparison::compare_fused(const PerPolygonExtraction::Intermediate& gl, con
 
 void Comparison::compare_filled(const PerPolygonExtraction::Intermediate& gl, std::size_t polygon) {
   const Texture fused = texture_of(gl.fused);
-  const ColourImage expected =
-      fill(fused, options_.fill, texels_in_polygon(model_, polygon, {fused.width(), fused.height()}));
+  const ColourImage expected = fill(fused, options_.fill, open_holes(model_, polygon, fused));
   for (int y = 0; y < fused.height(); ++y) {
     for (int x = 0; x < fused.width(); ++x) {
       const auto& t = gl.filled.at<cv::Vec4b>(y, x);

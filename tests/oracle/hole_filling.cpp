@@ -91,10 +91,10 @@ ColourImage fill_by_pyramid(const Texture& texture) {
   return filled;
 }
 
-ColourImage leave_holes_open(const Texture& texture, const Flags& in_polygon) {
+ColourImage leave_holes_open(const Texture& texture, const Flags& open) {
   ColourImage result = fill_by_pyramid(texture);
   for (std::size_t i = 0; i < result.values.size(); ++i) {
-    if (texture.valid.values[i] == 0 && in_polygon.values[i] != 0) result.values[i] = kMidGrey;
+    if (texture.valid.values[i] == 0 && open.values[i] != 0) result.values[i] = kMidGrey;
   }
   return result;
 }

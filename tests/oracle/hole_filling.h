@@ -9,8 +9,8 @@ namespace foreview::oracle {
 /// Step 7 (spec 9). All return colours for every texel, those of valid texels unchanged; mid grey where nothing is
 /// valid at all.
 [[nodiscard]] ColourImage leave_holes_grey(const Texture& texture);
-/// HoleFilling::none: grey only where invalid and `in_polygon`, elsewhere as the pyramid fills.
-[[nodiscard]] ColourImage leave_holes_open(const Texture& texture, const Flags& in_polygon);
+/// HoleFilling::none: grey only where invalid and `open`, elsewhere as the pyramid fills.
+[[nodiscard]] ColourImage leave_holes_open(const Texture& texture, const Flags& open);
 /// 5.2.2-5.2.4.
 [[nodiscard]] ColourImage fill_by_pyramid(const Texture& texture);
 /// 5.2.5; `passes` counts those that changed something.

@@ -26,33 +26,46 @@ AlphaImage suppress(const AlphaImage& alpha, const Options& options) {
   return result;
 }
 
-Flags texels_in_polygon(const PolygonModel& model, std::size_t polygon, const glm::ivec2& size) {
+Flags open_holes(const PolygonModel& model, std::size_t polygon, const Texture& texture) {
   const PolygonFrame frame = polygon_frame(model, polygon);
-  const auto texel_of_corner = [&](std::size_t i) {
-    const glm::dvec2 plane = frame.plane_from_part(model.corner(polygon, i % model.polygons()[polygon].corner_count));
-    return glm::dvec2(plane.x / frame.extent.x * size.x, plane.y / frame.extent.y * size.y);
-  };
+  const int width = texture.width(), height = texture.height();
   const std::size_t corners = model.polygons()[polygon].corner_count;
+  const auto corner = [&](std::size_t i) {
+    const glm::dvec2 plane = frame.plane_from_part(model.corner(polygon, i % corners));
+    return glm::dvec2(plane.x / frame.extent.x * width, plane.y / frame.extent.y * height);
+  };
   double area = 0;
   for (std::size_t i = 0; i < corners; ++i) {
-    const glm::dvec2 a = texel_of_corner(i), b = texel_of_corner(i + 1);
-    area += a.x * b.y - a.y * b.x;
+    area += corner(i).x * corner(i + 1).y - corner(i).y * corner(i + 1).x;
   }
-  const double side = area > 0 ? 1 : -1;
-  Flags result(size.x, size.y, 1);
-  for (std::size_t i = 0; i < corners; ++i) {
-    const glm::dvec2 a = texel_of_corner(i), along = texel_of_corner(i + 1) - a;
-    for (int y = 0; y < size.y; ++y) {
-      for (int x = 0; x < size.x; ++x) {
-        const glm::dvec2 p = glm::dvec2(x + 0.5, y + 0.5) - a;
-        if (side * (along.x * p.y - along.y * p.x) < -0.25 * glm::length(along)) result.at(x, y) = 0;
+  // Texels that a point lies outside the line through an edge; negative inside.
+  const auto outside = [&](const glm::dvec2& p, std::size_t i) {
+    const glm::dvec2 along = corner(i + 1) - corner(i), to = p - corner(i);
+    return (area > 0 ? -1 : 1) * (along.x * to.y - along.y * to.x) / glm::length(along);
+  };
+  const auto outwards = [&](std::size_t i) {
+    const glm::dvec2 along = glm::normalize(corner(i + 1) - corner(i));
+    return area > 0 ? glm::dvec2(along.y, -along.x) : glm::dvec2(-along.y, along.x);
+  };
+  Flags result(width, height, 0);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec2 centre(x + 0.5, y + 0.5);
+      glm::dvec2 moved = centre;
+      double farthest = 0;
+      for (std::size_t i = 0; i < corners; ++i) {
+        farthest = std::max(farthest, outside(centre, i));
+        if (outside(moved, i) > -1) moved -= outwards(i) * (outside(moved, i) + 1);
       }
+      const int u = static_cast<int>(std::clamp(std::floor(moved.x), 0.0, width - 1.0));
+      const int v = static_cast<int>(std::clamp(std::floor(moved.y), 0.0, height - 1.0));
+      result.at(x, y) = farthest <= 0.25 || (farthest <= 2 && texture.valid.at(u, v) == 0) ? 1 : 0;
     }
   }
   return result;
 }
 
-ColourImage fill(const Texture& texture, Filling filling, const Flags& in_polygon) {
+ColourImage fill(const Texture& texture, Filling filling, const Flags& open) {
   switch (filling) {
     case Filling::pyramid:
       return fill_by_pyramid(texture);
@@ -61,7 +74,7 @@ ColourImage fill(const Texture& texture, Filling filling, const Flags& in_polygo
     case Filling::none:
       break;
   }
-  return leave_holes_open(texture, in_polygon);
+  return leave_holes_open(texture, open);
 }
 
 PolygonExtraction::PolygonExtraction(const PolygonModel& model, const Options& options)
@@ -104,7 +117,7 @@ PolygonResult PolygonExtraction::inspect(const PreparedFrame& prepared, std::siz
     result.fused =
         late ? fuse(result.fresh.texture, textures_[polygon]) : fuse(textures_[polygon], result.fresh.texture);
   }
-  result.filled = fill(result.fused, options_.fill, texels_in_polygon(model_, polygon, size));
+  result.filled = fill(result.fused, options_.fill, open_holes(model_, polygon, result.fused));
   return result;
 }
 

@@ -66,9 +66,9 @@ class PolygonExtraction {
 
 /// The three variants of step 4 on a mask, its lower and its upper bound.
 [[nodiscard]] AlphaImage suppress(const AlphaImage& alpha, const Options& options);
-/// Texels whose centre lies in the polygon or at most 0.25 texels beyond the line of an edge.
-[[nodiscard]] Flags texels_in_polygon(const PolygonModel& model, std::size_t polygon, const glm::ivec2& size);
-[[nodiscard]] ColourImage fill(const Texture& texture, Filling filling, const Flags& in_polygon);
+/// HoleFilling::none: the texels that are holes of the polygon itself and stay grey, if they are not valid.
+[[nodiscard]] Flags open_holes(const PolygonModel& model, std::size_t polygon, const Texture& texture);
+[[nodiscard]] ColourImage fill(const Texture& texture, Filling filling, const Flags& open);
 
 /// Step 8: the block of a chart, level 0.
 struct ChartBlock {

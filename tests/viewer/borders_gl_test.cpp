@@ -306,7 +306,7 @@ void expect_no_stray_colour(const RawMesh& plane, HoleFilling fill, const std::s
     const PredictedView::Surface surface = cut.view.render_surface(kViewer, state);
     // Magnified, a hole's colour reaches one texel into what was observed.
     const int reach = 2 + static_cast<int>(std::ceil(1.5 * kViewer.focal_length.x / (kTexelsPerMetre * distance)));
-    int strays = 0, wrong = 0, filled = 0, observed = 0;
+    int strays = 0, wrong = 0, coloured = 0, filled = 0, observed = 0;
     double worst = 0;
     for (int y = 0; y < kViewer.height; ++y) {
       for (int x = 0; x < kViewer.width; ++x) {
@@ -314,12 +314,18 @@ void expect_no_stray_colour(const RawMesh& plane, HoleFilling fill, const std::s
         const auto& bgr = picture.at<cv::Vec3b>(y, x);
         if (bgr[2] > (fill == HoleFilling::none ? 128 : 102)) ++strays;
         if (surface.provenance.at<unsigned char>(y, x) == 1) ++filled;
-        bool all_observed = true;
+        bool all_observed = true, none_observed = true;
         for (int dy = -reach; dy <= reach; ++dy) {
           for (int dx = -reach; dx <= reach; ++dx) {
             const int u = std::clamp(x + dx, 0, kViewer.width - 1), v = std::clamp(y + dy, 0, kViewer.height - 1);
             all_observed = all_observed && surface.provenance.at<unsigned char>(v, u) == 2;
+            none_observed = none_observed && surface.provenance.at<unsigned char>(v, u) != 2;
           }
+        }
+        // An open hole is grey throughout, also where borders cross it. Seen slanted, a share of level 1 is mixed in,
+        // whose texels along a border have a little of the colours that lie more than two texels beyond it.
+        if (none_observed && fill == HoleFilling::none && distance <= 1.0) {
+          for (int c = 0; c < 3; ++c) coloured += std::abs(bgr[c] - 128) > 8 ? 1 : 0;
         }
         if (!all_observed) continue;
         ++observed;
@@ -338,8 +344,9 @@ void expect_no_stray_colour(const RawMesh& plane, HoleFilling fill, const std::s
     EXPECT_GT(filled, 30) << name << ", " << distance;
     EXPECT_GT(observed, 30) << name << ", " << distance;
     EXPECT_EQ(strays, 0) << name << ", " << distance;
+    EXPECT_EQ(coloured, 0) << name << ", " << distance;
     EXPECT_EQ(wrong, 0) << name << ", " << distance;
-    if (strays + wrong > 0) keep(picture, name + "-" + std::to_string(distance));
+    if (strays + wrong + coloured > 0) keep(picture, name + "-" + std::to_string(distance));
   }
 }
 
