@@ -22,6 +22,7 @@ class GlTest : public ::testing::Test {
     live_before_ = live_gl_objects();
   }
   ~GlTest() override {
+    context().make_current();  // a test may have made, and destroyed, one of its own
     EXPECT_EQ(live_gl_objects(), live_before_) << "GL objects of this test are still alive";
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(0);
