@@ -210,9 +210,10 @@ Pose from(const glm::dvec3& eye, const glm::dvec3& target) {
   return looking_at(eye, target, {0, -1, 0});
 }
 
-/// Distance at which one pixel of the viewer's camera covers 2^level texels.
-double distance_of_level(int level) {
-  return kViewer.focal_length.x / kTexelsPerMetre * std::exp2(level);
+/// Distance from which a mip level is read: one pixel of the viewer's camera covers 2^level texels, and half a level
+/// more, because the view reads half a level finer than that.
+double distance_of_level(double level) {
+  return kViewer.focal_length.x / kTexelsPerMetre * std::exp2(level + 0.5);
 }
 
 class Borders : public GlTest {
@@ -231,7 +232,8 @@ class Borders : public GlTest {
     for (int level = 0; level < kChartLevels; ++level) {
       const double d = distance_of_level(level);
       views.push_back({"level" + std::to_string(level), from({0.01 * d, 0.02 * d, -d}, {0.004, -0.003, 0})});
-      views.push_back({"between" + std::to_string(level), from({0.02 * d, 0, -0.75 * d}, {0.004, -0.003, 0})});
+      views.push_back({"between" + std::to_string(level),
+                       from({0.014 * d, 0, -distance_of_level(level - 0.4)}, {0.004, -0.003, 0})});
     }
     for (const View& v : views) {
       const cv::Mat expected = uncut.view.render(kViewer, uncut.state(v.pose));
@@ -283,7 +285,7 @@ TEST_F(Borders, EachLevelIsReallyUsed) {
   std::iota(all.begin(), all.end(), 0U);
   for (int level = kChartLevels - 1; level >= 0; --level) {
     const double d = distance_of_level(level);
-    EXPECT_NEAR(std::log2(kTexelsPerMetre * d / kViewer.focal_length.x), level, 1e-9);
+    EXPECT_NEAR(std::log2(kTexelsPerMetre * d / kViewer.focal_length.x), level + 0.5, 1e-9);
     const PredictedState state = cut.state(from({0, 0, -d}, {0, 0, 0}));
     EXPECT_NE(cut.view.render(kViewer, state).at<cv::Vec3b>(118, 158)[2], 255);
     const std::array<unsigned char, 4> red{255, 0, 0, 255};
