@@ -17,13 +17,13 @@
 #include <system_error>
 #include <thread>
 
-#include "foreview/scene/output_file.h"
 #include "foreview/recordings/synthetic/noise.h"
 #include "foreview/recordings/synthetic/ordered_work.h"
 #include "foreview/recordings/synthetic/renderer.h"
 #include "foreview/recordings/synthetic/sensor_noise.h"
 #include "foreview/recordings/synthetic/site.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/output_file.h"
 
 namespace foreview {
 namespace {
@@ -299,8 +299,8 @@ fs::path recording_cache_directory() {
     const char* const value = std::getenv(name);
     return value != nullptr ? value : "";
   };
-  if (const fs::path own = variable("FOREVIEW_CACHE"); !own.empty()) return own;
-  if (const fs::path common = variable("XDG_CACHE_HOME"); !common.empty()) return common / "foreview";
+  if (fs::path own = variable("FOREVIEW_CACHE"); !own.empty()) return own;
+  if (fs::path common = variable("XDG_CACHE_HOME"); !common.empty()) return common / "foreview";
   if (const fs::path home = variable("HOME"); !home.empty()) return home / ".cache" / "foreview";
   throw InputError("cache of built-in recordings", "no place known; set FOREVIEW_CACHE to a directory");
 }
@@ -315,7 +315,8 @@ fs::path cached_recording(const GenerateOptions& options, const Progress& progre
   for (const char c : description) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   char suffix[40];
   std::snprintf(suffix, sizeof suffix, "-v%d-%016llx", kVersion, static_cast<unsigned long long>(hash));
-  const fs::path root = recording_cache_directory(), directory = root / (options.name + suffix);
+  const fs::path root = recording_cache_directory();
+  fs::path directory = root / (options.name + suffix);
   if (read_marker(directory) == marker_text(description, true)) return directory;
   std::error_code error;
   fs::create_directories(root, error);

@@ -86,6 +86,7 @@ struct Renderer::State {
   Visibility look(const RayTable& rays, const Pose& world_from_camera, const std::vector<Pose>& world_from_part) const {
     const Pose camera_from_world = world_from_camera.inverse();
     std::vector<Pose> camera_from_part;
+    camera_from_part.reserve(world_from_part.size());
     for (const Pose& pose : world_from_part) camera_from_part.push_back(camera_from_world * pose);
     Visibility visibility(rays);
     std::vector<glm::dvec3> corners;

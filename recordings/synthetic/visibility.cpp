@@ -22,6 +22,10 @@ struct Plane {
   }
 };
 
+std::size_t at(int row, int across, int column) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(across) + static_cast<std::size_t>(column);
+}
+
 std::vector<RayTable::Bounds> bounds_of(const RayTable& rays, int block, int& across) {
   across = (rays.stride + block - 1) / block;
   const int down = (rays.height + block - 1) / block;
@@ -96,7 +100,7 @@ void Visibility::draw(const RayTable& rays, const ViewFace& view) {
   const Plane depth = plane(normal / offset);
 
   const auto draw_block = [&](int bx, int by) {
-    const RayTable::Bounds& bounds = rays.blocks[static_cast<std::size_t>(by * rays.blocks_across + bx)];
+    const RayTable::Bounds& bounds = rays.blocks[at(by, rays.blocks_across, bx)];
     std::array<Plane, kMaxEdges> cutting;
     std::size_t cuts = 0;
     if (depth.most(bounds) <= 0) return;
@@ -106,7 +110,7 @@ void Visibility::draw(const RayTable& rays, const ViewFace& view) {
     }
     for (int row = by * kBlock; row < std::min(rays.height, (by + 1) * kBlock); ++row) {
       const std::size_t start =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(rays.stride) + static_cast<std::size_t>(bx * kBlock);
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(rays.stride) + static_cast<std::size_t>(bx) * kBlock;
       for (std::size_t s = 0; s < kSamplesPerPixel; ++s) {
         const float* const xs = &rays.x[s][start];
         const float* const ys = &rays.y[s][start];
@@ -132,7 +136,7 @@ void Visibility::draw(const RayTable& rays, const ViewFace& view) {
   const int blocks_down = (rays.height + kBlock - 1) / kBlock;
   for (int sy = 0; sy * kSuperBlock < rays.height; ++sy) {
     for (int sx = 0; sx < rays.super_across; ++sx) {
-      const RayTable::Bounds& bounds = rays.super_blocks[static_cast<std::size_t>(sy * rays.super_across + sx)];
+      const RayTable::Bounds& bounds = rays.super_blocks[at(sy, rays.super_across, sx)];
       const bool missed = std::any_of(edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(count),
                                       [&](const Plane& edge) { return edge.most(bounds) < 0; });
       if (missed) continue;
