@@ -43,6 +43,7 @@ void add_box(RawMesh& mesh, const glm::dvec3& centre, const glm::dvec3& half, do
   for (const auto& face : {std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}, std::array{0, 1, 5, 4},
                            std::array{2, 6, 7, 3}, std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}}) {
     std::vector<std::uint32_t> corners;
+    corners.reserve(face.size());
     for (const int corner : face) corners.push_back(first + static_cast<std::uint32_t>(corner));
     mesh.faces.push_back(corners);
     mesh.face_part.push_back(part);

@@ -32,7 +32,7 @@ Visibility visibility(const PolygonModel& model, const CameraModel& camera, cons
       auto& candidates = result.candidates.at(x, y);
       const double least = surely.at(x, y) * (1 - 1e-5);
       std::erase_if(candidates, [&](const Hit& hit) { return hit.inverse_z < least; });
-      if (surely.at(x, y) == 0) candidates.push_back(Hit());
+      if (surely.at(x, y) == 0) candidates.emplace_back();
     }
   }
   return result;
