@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using Progress = std::function<void(std::size_t, std::size_t)>;
 
-constexpr int kVersion = 1;  // raise whenever the same options give other files: caches are then made anew
+constexpr int kVersion = 2;  // raise whenever the same options give other files: caches are then made anew
 constexpr const char* kMarkerFile = "generated.txt";
 constexpr std::int64_t kFirstStamp = 1'000'000'000'000;  // nanoseconds; not zero, as no real stream begins there
 constexpr double kNoiseSigma = 2.4, kNoiseCommon = 0.5;  // after JPEG, at least 2/255 are left in every channel
@@ -105,12 +105,14 @@ CameraModel falsified(const CameraModel& camera, const InjectedErrors& errors) {
   return result;
 }
 
-/// Applied on the camera's side: the same error in the camera's eyes wherever it looks.
-Pose pose_error(const InjectedErrors& errors) {
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(0.52, 0.76, 0.39));
-  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.61, -0.42, 0.67));
-  return {glm::angleAxis(errors.pose_degrees * std::numbers::pi / 180, axis),
-          direction * (errors.pose_millimetres / 1000)};
+/// The head's pan encoder is off: every camera is turned about the world's vertical through itself. (About an axis
+/// fixed in the camera instead, the error would swing round with every turn of the head, and textures taken before and
+/// after would disagree by more than the ghosts that this error is to provoke.)
+Pose falsified(const Pose& world_from_camera, const InjectedErrors& errors) {
+  const glm::dquat pan = glm::angleAxis(errors.pose_degrees * std::numbers::pi / 180, glm::dvec3(0, 0, 1));
+  const glm::dvec3 direction_in_camera = glm::normalize(glm::dvec3(0.61, -0.42, 0.67));
+  return {glm::normalize(pan * world_from_camera.rotation),
+          world_from_camera * (direction_in_camera * (errors.pose_millimetres / 1000))};
 }
 
 /// A fixed direction for the n-th thing.
@@ -262,7 +264,6 @@ void generate_recording(const GenerateOptions& options, const fs::path& director
   if (!site.joint_names.empty()) writer.set_joint_names(site.joint_names);
 
   const synthetic::Renderer renderer(site);
-  const Pose error = pose_error(options.errors);
   const auto seconds = [&](std::size_t instant) {
     return static_cast<double>(static_cast<std::int64_t>(instant) * site.period_nanoseconds) * 1e-9;
   };
@@ -284,7 +285,7 @@ void generate_recording(const GenerateOptions& options, const fs::path& director
       }
       if (site.joints) writer.add_joints(stamp, site.joints(t));
     }
-    writer.add_camera_pose(camera, stamp, site.world_from_camera(camera, t) * error);
+    writer.add_camera_pose(camera, stamp, falsified(site.world_from_camera(camera, t), options.errors));
     writer.add_picture(camera, stamp, picture);
     if (progress) progress(job + 1, instants * cameras);
   };

@@ -16,7 +16,7 @@ namespace foreview {
 
 /// Errors of spec 5, put into what the recording *says*, not into its pictures.
 struct InjectedErrors {
-  double pose_degrees = 0;      ///< rotation of every camera pose about a fixed oblique axis of the camera
+  double pose_degrees = 0;      ///< the pan axis's zero: every camera turned about the world's vertical through itself
   double pose_millimetres = 0;  ///< translation of every camera pose along a fixed oblique direction of the camera
   double focal_length_percent = 0;
   double distortion_percent = 0;  ///< all coefficients too large by this

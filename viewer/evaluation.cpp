@@ -8,8 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
-#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/viewer/rotation_warp.h"
 #include "foreview/viewer/silhouettes.h"
 
@@ -79,7 +79,9 @@ class InstantEvaluator {
     score.never_seen = 1 - score.seen - score.filled;
     score.over_seen = pixel_error(predicted, truth, seen & usable_);
     const cv::Mat beyond = beyond_silhouettes(state, {surface.polygon, surface.inverse_z});
+    writer_.write("beyond-silhouettes", score.stem, beyond & usable_);
     score.beyond_silhouettes = pixel_error(predicted, truth, beyond & usable_);
+    score.ghosts = displaced_error(predicted, truth, beyond & usable_, kGhostDisplacement);
     return score;
   }
 

@@ -37,6 +37,7 @@ struct InstantScore {
   PixelError over_seen;                         ///< of the predicted view, where it shows what a picture has shown
   PixelError beyond_silhouettes;                ///< of the predicted view, pixels_beyond_silhouettes() of the newest
                                                 ///< used picture of any camera
+  PixelError ghosts;                            ///< there too: displaced_error() within kGhostDisplacement pixels
 };
 
 /// How good the prediction was.

@@ -82,7 +82,8 @@ Json json_of(const InstantScore& score) {
           {"rotation", json_of(score.rotation)},
           {"coverage", {{"seen", score.seen}, {"filled", score.filled}, {"never_seen", score.never_seen}}},
           {"over_seen", json_of(score.over_seen)},
-          {"beyond_silhouettes", json_of(score.beyond_silhouettes)}};
+          {"beyond_silhouettes", json_of(score.beyond_silhouettes)},
+          {"ghosts", json_of(score.ghosts)}};
 }
 
 Json json_of(const EvaluationOptions& options) {
@@ -121,6 +122,15 @@ double milliseconds_per_picture(const Evaluation& evaluation) {
   return 1e3 * evaluation.extraction_seconds / static_cast<double>(evaluation.pictures_extracted);
 }
 
+/// Takes more pixels into a mean over all.
+void pool(PixelError& all, const PixelError& more) {
+  if (more.pixels == 0) return;
+  const double share = static_cast<double>(more.pixels) / static_cast<double>(all.pixels + more.pixels);
+  all.mean_squared += share * (more.mean_squared - all.mean_squared);
+  all.mean_absolute += share * (more.mean_absolute - all.mean_absolute);
+  all.pixels += more.pixels;
+}
+
 }  // namespace
 
 EvaluationSummary summarise(const Evaluation& evaluation) {
@@ -129,19 +139,14 @@ EvaluationSummary summarise(const Evaluation& evaluation) {
   summary.delayed = summarise_view(evaluation, &InstantScore::delayed);
   summary.rotation = summarise_view(evaluation, &InstantScore::rotation);
   summary.psnr_over_seen = mean_and_worst(evaluation, [](const InstantScore& i) { return i.over_seen.psnr(); });
-  PixelError& beyond = summary.beyond_silhouettes;
   const double count = static_cast<double>(evaluation.instants.size());
   for (const InstantScore& instant : evaluation.instants) {
     summary.seen += instant.seen / count;
     summary.filled += instant.filled / count;
     summary.never_seen += instant.never_seen / count;
     summary.age += instant.age / count;
-    const PixelError& more = instant.beyond_silhouettes;
-    if (more.pixels == 0) continue;
-    const double share = static_cast<double>(more.pixels) / static_cast<double>(beyond.pixels + more.pixels);
-    beyond.mean_squared += share * (more.mean_squared - beyond.mean_squared);
-    beyond.mean_absolute += share * (more.mean_absolute - beyond.mean_absolute);
-    beyond.pixels += more.pixels;
+    pool(summary.beyond_silhouettes, instant.beyond_silhouettes);
+    pool(summary.ghosts, instant.ghosts);
   }
   return summary;
 }
@@ -171,6 +176,8 @@ std::string evaluation_table(const Evaluation& evaluation, const EvaluationOptio
   if (beyond.pixels > 0) {
     text += line("  beyond silhouettes      %6.2f dB, rms %.2f/255, mean %.2f/255, %zu pixels", *beyond.psnr(),
                  beyond.rms(), beyond.mean_absolute, beyond.pixels);
+    text += line("    of that, ghosts                 rms %.2f/255, mean %.2f/255", summary.ghosts.rms(),
+                 summary.ghosts.mean_absolute);
   } else {
     text += "  beyond silhouettes      no pixels\n";
   }
@@ -209,6 +216,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationOption
       {"coverage", {{"seen", summary.seen}, {"filled", summary.filled}, {"never_seen", summary.never_seen}}},
       {"psnr_over_seen", json_of(summary.psnr_over_seen)},
       {"beyond_silhouettes", json_of(summary.beyond_silhouettes)},
+      {"ghosts", json_of(summary.ghosts)},
       {"pictures_extracted", evaluation.pictures_extracted},
       {"pictures_damaged", evaluation.pictures_damaged},
       {"milliseconds_per_picture", milliseconds_per_picture(evaluation)}};

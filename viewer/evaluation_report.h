@@ -20,6 +20,7 @@ struct EvaluationSummary {
   double seen = 0, filled = 0, never_seen = 0;  ///< means over the instants, 0..1
   MeanAndWorst psnr_over_seen;
   PixelError beyond_silhouettes;  ///< over the pixels of all instants together
+  PixelError ghosts;              ///< likewise
   double age = 0;                 ///< mean, seconds
 };
 [[nodiscard]] EvaluationSummary summarise(const Evaluation& evaluation);

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "foreview/scene/output_file.h"
 #include "foreview/recordings/builtin.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/progress.h"

@@ -10,6 +10,39 @@
 namespace foreview {
 namespace {
 
+struct Difference {
+  unsigned squares = 0, absolutes = 0;  ///< sums over the channels
+};
+
+Difference difference(const cv::Vec3b& a, const cv::Vec3b& b) {
+  Difference result;
+  for (int c = 0; c < 3; ++c) {
+    const auto d = static_cast<unsigned>(std::abs(a[c] - b[c]));
+    result.absolutes += d;
+    result.squares += d * d;
+  }
+  return result;
+}
+
+struct ErrorSum {
+  std::size_t pixels = 0;
+  std::uint64_t squares = 0, absolutes = 0;
+  void add(const Difference& d) {
+    ++pixels;
+    squares += d.squares;
+    absolutes += d.absolutes;
+  }
+  [[nodiscard]] PixelError error() const {
+    PixelError result;
+    result.pixels = pixels;
+    if (pixels == 0) return result;
+    const double values = 3.0 * static_cast<double>(pixels);
+    result.mean_squared = static_cast<double>(squares) / values;
+    result.mean_absolute = static_cast<double>(absolutes) / values;
+    return result;
+  }
+};
+
 constexpr int kWindow = 11;
 constexpr double kSigma = 1.5;
 
@@ -45,28 +78,31 @@ std::optional<double> PixelError::psnr() const {
 }
 
 PixelError pixel_error(const cv::Mat& picture, const cv::Mat& truth, const cv::Mat& mask) {
+  return displaced_error(picture, truth, mask, 0);
+}
+
+PixelError displaced_error(const cv::Mat& picture, const cv::Mat& truth, const cv::Mat& mask, int reach) {
   assert_comparable(picture, truth, mask);
-  PixelError error;
-  std::uint64_t squares = 0, absolutes = 0;
+  assert(reach >= 0);
+  ErrorSum sum;
   for (int y = 0; y < picture.rows; ++y) {
-    const auto* const a = picture.ptr<cv::Vec3b>(y);
-    const auto* const b = truth.ptr<cv::Vec3b>(y);
+    const auto* const shown = picture.ptr<cv::Vec3b>(y);
     const std::uint8_t* const counts = mask.empty() ? nullptr : mask.ptr<std::uint8_t>(y);
     for (int x = 0; x < picture.cols; ++x) {
       if (counts != nullptr && counts[x] == 0) continue;
-      ++error.pixels;
-      for (int c = 0; c < 3; ++c) {
-        const auto difference = static_cast<std::uint64_t>(std::abs(a[x][c] - b[x][c]));
-        absolutes += difference;
-        squares += difference * difference;
+      Difference closest = difference(shown[x], truth.at<cv::Vec3b>(y, x));
+      for (int v = std::max(0, y - reach); v <= std::min(truth.rows - 1, y + reach); ++v) {
+        const auto* const row = truth.ptr<cv::Vec3b>(v);
+        for (int u = std::max(0, x - reach); u <= std::min(truth.cols - 1, x + reach); ++u) {
+          if ((u - x) * (u - x) + (v - y) * (v - y) > reach * reach) continue;
+          const Difference d = difference(shown[x], row[u]);
+          if (d.squares < closest.squares) closest = d;
+        }
       }
+      sum.add(closest);
     }
   }
-  if (error.pixels == 0) return error;
-  const double values = 3.0 * static_cast<double>(error.pixels);
-  error.mean_squared = static_cast<double>(squares) / values;
-  error.mean_absolute = static_cast<double>(absolutes) / values;
-  return error;
+  return sum.error();
 }
 
 std::optional<double> structural_similarity(const cv::Mat& picture, const cv::Mat& truth, const cv::Mat& mask) {

@@ -19,6 +19,11 @@ inline constexpr double kMaxPsnr = 100;  ///< dB; stands for "equal" in means an
 
 [[nodiscard]] PixelError pixel_error(const cv::Mat& picture, const cv::Mat& truth, const cv::Mat& mask = {});
 
+/// The same, but each pixel is compared with the most similar of the truth's pixels within `reach` pixels of its place:
+/// right colours a little out of place cost nothing, colours that belong to something else cost in full. Of equally
+/// similar ones any will do. What is counted is the square and absolute difference to that pixel.
+[[nodiscard]] PixelError displaced_error(const cv::Mat& picture, const cv::Mat& truth, const cv::Mat& mask, int reach);
+
 /// Structural similarity (Wang et al. 2004, constants 0.01 and 0.03 of 255): on grey (OpenCV's BGR2GRAY), statistics in
 /// an 11x11 Gaussian window, sigma 1.5, the picture mirrored at its borders (without repeating the outermost pixel);
 /// mean over all pixels, or with `mask` over those whose window lies in the mask as far as it lies in the picture; none

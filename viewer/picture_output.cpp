@@ -4,8 +4,8 @@
 #include <system_error>
 #include <vector>
 
-#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/output_file.h"
 
 namespace foreview {
 

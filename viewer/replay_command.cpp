@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "foreview/gpu/offscreen_context.h"
-#include "foreview/scene/output_file.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/output_file.h"
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/gl_debug.h"
 #include "foreview/viewer/interrupt.h"

@@ -20,6 +20,7 @@ struct SurfaceMap {
 };
 
 inline constexpr double kSilhouetteReach = 12;        ///< pixels outside a contour that count
+inline constexpr int kGhostDisplacement = 6;          ///< pixels a right colour may be out of place and be no ghost
 inline constexpr double kSilhouetteTolerance = 0.02;  ///< relative gap of 1/z from which on two surfaces are apart
 
 /// 1/z of each polygon's plane as a linear function of the pixel: dot(plane, (u, v, 1)). Zero where the plane passes

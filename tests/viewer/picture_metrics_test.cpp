@@ -152,5 +152,31 @@ TEST(PictureMetrics, OnePixelPictures) {
   EXPECT_NEAR(*structural_similarity(a, b), (2 * 100 * 150 + 6.5025) / (100 * 100 + 150 * 150 + 6.5025), 1e-9);
 }
 
+TEST(DisplacedError, ForgivesDisplacementButNotForeignColours) {
+  cv::Mat truth(40, 60, CV_8UC3);
+  cv::RNG random(7);
+  random.fill(truth, cv::RNG::UNIFORM, 0, 128);  // dark, so that white is foreign
+  cv::Mat shown;
+  cv::copyMakeBorder(truth(cv::Rect(3, 0, 57, 40)), shown, 0, 0, 0, 3, cv::BORDER_REPLICATE);  // 3 pixels to the left
+  const cv::Rect inside(6, 6, 40, 28);
+  cv::Mat mask(truth.size(), CV_8U, cv::Scalar::all(0));
+  mask(inside) = 255;
+  EXPECT_GT(pixel_error(shown, truth, mask).rms(), 30);
+  EXPECT_GT(displaced_error(shown, truth, mask, 2).rms(), 5);
+  EXPECT_EQ(displaced_error(shown, truth, mask, 3).mean_squared, 0);
+  EXPECT_EQ(displaced_error(shown, truth, mask, 3).pixels, static_cast<std::size_t>(inside.area()));
+
+  shown(cv::Rect(10, 10, 4, 7)) = cv::Scalar::all(255);
+  const PixelError ghost = displaced_error(shown, truth, mask, 6);
+  EXPECT_GT(ghost.mean_squared * inside.area(), 28 * 127.0 * 127.0);
+  EXPECT_LT(ghost.mean_squared * inside.area(), 28 * 255.0 * 255.0);
+}
+
+TEST(DisplacedError, StaysInsideThePicture) {
+  cv::Mat truth(3, 3, CV_8UC3, cv::Scalar::all(10)), shown(3, 3, CV_8UC3, cv::Scalar::all(17));
+  EXPECT_DOUBLE_EQ(displaced_error(shown, truth, {}, 50).rms(), 7);
+  EXPECT_EQ(displaced_error(shown, truth, {}, 50).pixels, 9U);
+}
+
 }  // namespace
 }  // namespace foreview
