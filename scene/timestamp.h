@@ -10,7 +10,7 @@ namespace foreview {
 struct Duration {
   std::int64_t nanoseconds = 0;
 
-  constexpr auto operator<=>(const Duration&) const = default;
+  constexpr auto operator<=>(const Duration&) const = default;  // NOLINT(modernize-use-nullptr): the compiler's own 0
   [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   /// Rounds to the nearest nanosecond.
   [[nodiscard]] static Duration from_seconds(double seconds);
@@ -22,7 +22,7 @@ struct Duration {
 struct Timestamp {
   std::int64_t nanoseconds = 0;
 
-  constexpr auto operator<=>(const Timestamp&) const = default;
+  constexpr auto operator<=>(const Timestamp&) const = default;  // NOLINT(modernize-use-nullptr): the compiler's own 0
   [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   [[nodiscard]] static Timestamp from_seconds(double seconds);
   /// Reads decimal seconds without the loss that a double has at today's Unix times ("1700000000.123456789").

@@ -29,7 +29,7 @@ struct PictureId {
   Timestamp stamp;
   std::size_t camera = 0;
   std::size_t index = 0;
-  auto operator<=>(const PictureId&) const = default;
+  auto operator<=>(const PictureId&) const = default;  // NOLINT(modernize-use-nullptr): the compiler's own 0
 };
 
 /// A directory wins over a built-in recording of the same name: it is what someone who generated one there means.
