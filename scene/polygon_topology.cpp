@@ -125,7 +125,7 @@ Topology make_manifold(std::vector<glm::dvec3>& vertices, std::vector<Face>& fac
         vertex = corner;
       } else if (vertex == kNone) {
         vertex = static_cast<std::uint32_t>(vertices.size());
-        vertices.push_back(glm::dvec3(vertices[corner]));
+        vertices.push_back(vertices[corner]);
         ++topology.vertices_split;
       }
       corner = vertex;
@@ -148,7 +148,7 @@ Topology make_manifold(std::vector<glm::dvec3>& vertices, std::vector<Face>& fac
     if (!added.is_valid()) {
       for (std::size_t i = 0; i < handles.size(); ++i) {
         handles[i] = mesh.add_vertex(Mesh::Point(0, 0, 0));
-        vertices.push_back(glm::dvec3(vertices[face.corners[i]]));
+        vertices.push_back(vertices[face.corners[i]]);
         face.corners[i] = static_cast<std::uint32_t>(handles[i].idx());
         ++topology.vertices_split;
       }

@@ -118,7 +118,7 @@ void run(const ReplayCommand& given, bool quiet) {
     }
   }
   if (replayer.pictures_damaged() > 0) {
-    spdlog::warn("{} pictures could not be read and were left out", replayer.pictures_damaged());
+    spdlog::warn("{} picture(s) could not be read and were left out", replayer.pictures_damaged());
   }
   replayer.save_textures_if_asked();
   if (command.json) write_json(*command.json, replayer, command, summary);

@@ -80,6 +80,12 @@ PolygonModel load_model(const ReplayOptions& options, const Recording& recording
   PolygonModel model = import_model(file, recording.import_options(), &report);
   spdlog::info("{}: {} polygons, {} of them backdrop, in {} part(s)", file.string(), model.polygons().size(),
                report.backdrop_polygons, model.parts().size());
+  const std::size_t dropped = report.faces_with_bad_index + report.faces_not_finite + report.faces_degenerate +
+                              report.faces_duplicate + report.faces_too_complex;
+  if (dropped > 0) {
+    spdlog::warn("{}: {} of {} faces are unusable and were dropped; foreview inspect tells why", file.string(), dropped,
+                 report.faces_in);
+  }
   for (const std::string& warning : report.warnings) spdlog::debug("{}: {}", file.string(), warning);
   return model;
 }

@@ -178,7 +178,7 @@ TEST_F(BadInput, CutOffEmptyAndForeignPicturesAreLeftOut) {
   EXPECT_EQ(replayed.pictures.size(), std::size_t{kPictures});
   EXPECT_EQ(replayed.summary["pictures_unreadable"], 3);
   EXPECT_EQ(replayed.summary["pictures_extracted"], kUsed - 3);
-  expect_said(replayed, "3 pictures could not be read");
+  expect_said(replayed, "3 picture(s) could not be read");
   expect_said(replayed, "cut.jpg: is a JPEG that is cut off");
 }
 
@@ -257,6 +257,7 @@ TEST_F(BadInput, MeshWithEveryKindOfBadFace) {
   const Replayed replayed = replay();
   expect_good(replayed);
   EXPECT_EQ(replayed.summary["polygons"], 24 + 3 + 1);
+  expect_said(replayed, "2 of 30 faces are unusable and were dropped");
   const Finished inspect = run_foreview({"inspect", (recording() / "scene.obj").string()});
   EXPECT_EQ(inspect.status, 0) << inspect.err;
   for (const std::string line : {"faces dropped: no area            1\n", "faces dropped: not finite         1\n"}) {
