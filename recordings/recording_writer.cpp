@@ -7,11 +7,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <system_error>
 
-#include "foreview/scene/output_file.h"
 #include "foreview/recordings/recording.h"
 #include "foreview/recordings/recording_yaml.h"
 #include "foreview/scene/errors.h"
 #include "foreview/scene/input_file.h"
+#include "foreview/scene/output_file.h"
 
 namespace foreview {
 namespace {

@@ -4,8 +4,8 @@
 #include <csignal>
 #include <filesystem>
 
-#include "foreview/scene/output_file.h"
 #include "foreview/recordings/recording.h"
+#include "foreview/scene/output_file.h"
 #include "sample_recording.h"
 
 namespace foreview {
