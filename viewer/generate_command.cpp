@@ -87,7 +87,10 @@ void add_generate_command(CLI::App& app) {
   command.add_option("--scale", options.scale, "Pictures this much larger or smaller (default: 1, 751x570)")
       ->type_name("S");
   InjectedErrors& errors = options.errors;
-  command.add_option("--pose-error", errors.pose_degrees, "Turn every recorded camera pose by this")->type_name("DEG");
+  command
+      .add_option("--pose-error", errors.pose_degrees,
+                  "Record a pan axis that is off by this: every camera turned about the vertical")
+      ->type_name("DEG");
   command.add_option("--pose-error-mm", errors.pose_millimetres, "Move every recorded camera pose by this")
       ->type_name("MM");
   command.add_option("--focal-error", errors.focal_length_percent, "Record a focal length too long by this")
