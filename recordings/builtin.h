@@ -21,6 +21,7 @@ struct InjectedErrors {
   double focal_length_percent = 0;
   double distortion_percent = 0;  ///< all coefficients too large by this
   double model_millimetres = 0;   ///< every movable and free-standing object of the model displaced by this
+  bool operator==(const InjectedErrors&) const = default;
 };
 
 struct GenerateOptions {

@@ -111,7 +111,7 @@ Site make_workcell_site() {
   site.name = "workcell";
   SiteBuilder builder(site);
   const std::uint32_t room = builder.part("room", false);
-  WorkcellThings things(site, builder, room);
+  WorkcellThings things(builder, room);
   things.build_shell(kRoom);
   things.build_bench({2.5, 3.0}, {2.4, 1.0}, kBenchTop);
   things.build_shelf({0.85, 4.19}, 3.3);

@@ -24,8 +24,7 @@ Pose standing(const dvec3& foot, const dvec3& size, double yaw) {
 
 }  // namespace
 
-WorkcellThings::WorkcellThings(Site& site, SiteBuilder& builder, std::uint32_t part)
-    : site_(site), builder_(builder), part_(part) {}
+WorkcellThings::WorkcellThings(SiteBuilder& builder, std::uint32_t part) : builder_(builder), part_(part) {}
 
 float WorkcellThings::dice() {
   return chance(++rolled_, 11, 2005);

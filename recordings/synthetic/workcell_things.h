@@ -10,7 +10,7 @@ namespace foreview::synthetic {
 /// The workcell's room and furniture, and what stands on it. World frame, metres.
 class WorkcellThings {
  public:
-  WorkcellThings(Site& site, SiteBuilder& builder, std::uint32_t part);
+  WorkcellThings(SiteBuilder& builder, std::uint32_t part);
 
   void build_shell(const glm::dvec3& room);
   /// Centre and size of the top, its height.
@@ -33,7 +33,6 @@ class WorkcellThings {
   [[nodiscard]] float dice();  ///< next of a fixed sequence, 0..1
   [[nodiscard]] glm::vec3 bright_colour();
 
-  Site& site_;
   SiteBuilder& builder_;
   std::uint32_t part_;
   int rolled_ = 0;
