@@ -1,8 +1,12 @@
 #include "foreview/gpu/extraction.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "foreview/gpu/per_polygon/per_polygon_extraction.h"
+#include "foreview/gpu/texture_store.h"
 #include "foreview/scene/errors.h"
+#include "foreview/scene/polygon_model.h"
 
 namespace foreview {
 
@@ -16,6 +20,64 @@ void ExtractionOptions::validate() const {
   if (small_texture < 0) refuse("--small-texture", std::to_string(small_texture), "0 or more pixels");
   if (!(near_plane >= 1e-4 && near_plane <= 100)) {
     refuse("--near-plane", std::to_string(near_plane), "0.0001 to 100 metres");
+  }
+}
+
+const char* to_string(ExtractionStep step) {
+  static constexpr const char* kNames[kExtractionSteps] = {
+      "upload", "projection", "occlusion", "suppression", "normalisation", "fusion", "filling", "publishing", "other"};
+  return kNames[static_cast<std::size_t>(step)];
+}
+
+ExtractionStatistics& ExtractionStatistics::operator+=(const ExtractionStatistics& other) {
+  polygons_visible += other.polygons_visible;
+  polygons_skipped_back_face += other.polygons_skipped_back_face;
+  polygons_skipped_outside += other.polygons_skipped_outside;
+  polygons_skipped_too_small += other.polygons_skipped_too_small;
+  polygons_exempt_small += other.polygons_exempt_small;
+  charts_touched += other.charts_touched;
+  texels_written += other.texels_written;
+  texels_filled += other.texels_filled;
+  texels_observed += other.texels_observed;
+  passes += other.passes;
+  draw_calls += other.draw_calls;
+  for (std::size_t i = 0; i < kExtractionSteps; ++i) step_ms[i] += other.step_ms[i];
+  total_ms += other.total_ms;
+  spans.clear();
+  return *this;
+}
+
+std::unique_ptr<ExtractionPipeline> make_extraction_pipeline(PipelineKind kind, TextureStore& store,
+                                                             const ChartOptions& charts,
+                                                             const ExtractionOptions& options) {
+  static_cast<void>(kind);
+  return std::make_unique<PerPolygonExtraction>(store, charts, options);
+}
+
+namespace {
+
+bool is_finite(const Pose& pose) {
+  const glm::dquat& q = pose.rotation;
+  const glm::dvec3& t = pose.translation;
+  return std::isfinite(q.w + q.x + q.y + q.z) && std::isfinite(t.x + t.y + t.z);
+}
+
+}  // namespace
+
+void check_frame(const CameraFrame& frame, const PolygonModel& model) {
+  const CameraModel& camera = frame.camera;
+  const std::string where = "picture at " + frame.state.stamp.to_string() + " s";
+  if (!(camera.focal_length.x > 0 && camera.focal_length.y > 0) ||
+      !std::isfinite(camera.focal_length.x + camera.focal_length.y + camera.principal_point.x +
+                     camera.principal_point.y)) {
+    throw InputError(where, "its camera has no finite, positive focal length and principal point");
+  }
+  if (frame.state.world_from_part.size() != model.parts().size()) {
+    throw InputError(where, "comes with poses of " + std::to_string(frame.state.world_from_part.size()) +
+                                " parts, expected the model's " + std::to_string(model.parts().size()));
+  }
+  if (!is_finite(frame.state.world_from_camera) || !std::ranges::all_of(frame.state.world_from_part, is_finite)) {
+    throw InputError(where, "a pose of the camera or a part is not finite");
   }
 }
 

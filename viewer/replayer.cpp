@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "foreview/gpu/per_polygon/per_polygon_extraction.h"
 #include "foreview/recordings/builtin.h"
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/interrupt.h"
@@ -130,24 +129,6 @@ struct Loaded {
   ChartOptions charts;
 };
 
-void add(ExtractionStatistics& sum, const ExtractionStatistics& one) {
-  sum.polygons_visible += one.polygons_visible;
-  sum.polygons_skipped_back_face += one.polygons_skipped_back_face;
-  sum.polygons_skipped_outside += one.polygons_skipped_outside;
-  sum.polygons_skipped_too_small += one.polygons_skipped_too_small;
-  sum.polygons_exempt_small += one.polygons_exempt_small;
-  sum.texels_observed += one.texels_observed;
-  sum.ms_upload += one.ms_upload;
-  sum.ms_perspective += one.ms_perspective;
-  sum.ms_occlusion += one.ms_occlusion;
-  sum.ms_suppression += one.ms_suppression;
-  sum.ms_normalisation += one.ms_normalisation;
-  sum.ms_fusion += one.ms_fusion;
-  sum.ms_filling += one.ms_filling;
-  sum.ms_other += one.ms_other;
-  sum.ms_total += one.ms_total;
-}
-
 }  // namespace
 
 struct Replayer::State : Loaded {
@@ -156,7 +137,7 @@ struct Replayer::State : Loaded {
         operator_camera(recording.cameras()[camera].model.undistorted()),
         undistortion(recording.cameras()[camera].model),
         store(model, lay_out(model, charts)),
-        extraction(store, charts, options.extraction),
+        extraction(make_extraction_pipeline(options.pipeline, store, charts, options.extraction)),
         view(store) {
     find_span();
     begin_afresh();
@@ -193,14 +174,14 @@ struct Replayer::State : Loaded {
 
   /// To what the textures were before the first picture.
   void begin_afresh() {
-    extraction.clear();
+    extraction->clear();
     store.clear();
     used.clear();
     const auto initial = options.load_textures ? options.load_textures : recording.initial_textures();
     if (!initial || initial_unfit) return;
     try {
       load_textures(store, *initial);
-      extraction.adopt_store();
+      extraction->adopt_store();
     } catch (const InputError& error) {
       // The user's own must fit; what the recording begins with does not fit every model and density.
       if (options.load_textures) throw;
@@ -262,7 +243,7 @@ struct Replayer::State : Loaded {
   void extract(const CameraFrame& frame) {
     glFinish();
     const auto start = std::chrono::steady_clock::now();
-    add(statistics, extraction.extract(frame));
+    statistics += extraction->extract(frame);
     glFinish();
     seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ++pictures_extracted;
@@ -271,7 +252,7 @@ struct Replayer::State : Loaded {
   CameraModel operator_camera;
   Undistortion undistortion;
   TextureStore store;
-  PerPolygonExtraction extraction;
+  std::unique_ptr<ExtractionPipeline> extraction;
   PredictedView view;
   Timestamp first, last;
   std::vector<PictureId> used;  ///< since the textures were last begun afresh, in the order of their extraction

@@ -20,6 +20,7 @@ struct ReplayOptions {
   Duration delay{500'000'000};
   std::string from, to;                ///< positions as Recording::parse_position; empty: all
   std::optional<std::size_t> history;  ///< only the last N pictures before t - delay
+  PipelineKind pipeline = PipelineKind::batched;
   ExtractionOptions extraction;
   std::optional<double> density;  ///< texels per metre; else the recording's proposal, else propose_textures()
   std::optional<int> max_texels;  ///< else the recording's proposal, else propose_textures()

@@ -14,7 +14,7 @@
 #include "foreview/gpu/per_polygon/occlusion_mask.h"
 #include "foreview/gpu/per_polygon/picture_data.h"
 #include "foreview/gpu/per_polygon/polygon_textures.h"
-#include "foreview/gpu/per_polygon/step_timer.h"
+#include "foreview/gpu/step_clock.h"
 #include "foreview/gpu/undistorter.h"
 #include "foreview/scene/errors.h"
 
@@ -27,29 +27,6 @@ using namespace per_polygon;
 const ExtractionOptions& validated(const ExtractionOptions& options) {
   options.validate();
   return options;
-}
-
-bool is_finite(const Pose& pose) {
-  const glm::dquat& q = pose.rotation;
-  const glm::dvec3& t = pose.translation;
-  return std::isfinite(q.w + q.x + q.y + q.z) && std::isfinite(t.x + t.y + t.z);
-}
-
-void check(const CameraFrame& frame, const PolygonModel& model) {
-  const CameraModel& camera = frame.camera;
-  const std::string where = "picture at " + frame.state.stamp.to_string() + " s";
-  if (!(camera.focal_length.x > 0 && camera.focal_length.y > 0) ||
-      !std::isfinite(camera.focal_length.x + camera.focal_length.y + camera.principal_point.x +
-                     camera.principal_point.y)) {
-    throw InputError(where, "its camera has no finite, positive focal length and principal point");
-  }
-  if (frame.state.world_from_part.size() != model.parts().size()) {
-    throw InputError(where, "comes with poses of " + std::to_string(frame.state.world_from_part.size()) +
-                                " parts, expected the model's " + std::to_string(model.parts().size()));
-  }
-  if (!is_finite(frame.state.world_from_camera) || !std::ranges::all_of(frame.state.world_from_part, is_finite)) {
-    throw InputError(where, "a pose of the camera or a part is not finite");
-  }
 }
 
 /// The upper left part of a GL_RGBA8 texture, CV_8UC4 BGRA.
@@ -81,7 +58,7 @@ struct PerPolygonExtraction::State {
         filler(options, store.model(), textures) {}
 
   /// Steps 0-2, for all polygons.
-  void begin(const CameraFrame& frame, StepTimer& timer, ExtractionStatistics& statistics);
+  void begin(const CameraFrame& frame, StepClock& clock);
   /// Steps 3 and 4. Returns the alpha of the box.
   GLuint judge(std::size_t slot);
   [[nodiscard]] bool is_suppressed(std::size_t slot) const {
@@ -103,19 +80,20 @@ struct PerPolygonExtraction::State {
   Normaliser normaliser;
   HoleFiller filler;
   ChartCopier copier;
-  bool timing = false, counting = false;
+  ExtractionTiming timing = ExtractionTiming::off;
+  bool counting = false;
 };
 
-void PerPolygonExtraction::State::begin(const CameraFrame& frame, StepTimer& timer, ExtractionStatistics& statistics) {
-  check(frame, store.model());
+void PerPolygonExtraction::State::begin(const CameraFrame& frame, StepClock& clock) {
+  check_frame(frame, store.model());
   undistorter.load(frame.picture, frame.camera, "picture at " + frame.state.stamp.to_string() + " s");
-  timer.lap(statistics.ms_upload);
+  clock.lap(ExtractionStep::upload);
   picture.prepare(frame.camera, frame.state, options.near_plane);
   picture.bind();
-  timer.lap(statistics.ms_perspective);
+  clock.lap(ExtractionStep::projection);
   scene.draw(picture, frame.camera, options.near_plane);
   suppressor.make_room(frame.camera.width, frame.camera.height);
-  timer.lap(statistics.ms_occlusion);
+  clock.lap(ExtractionStep::occlusion);
 }
 
 PerPolygonExtraction::PerPolygonExtraction(TextureStore& store, const ChartOptions& chart_options,
@@ -127,8 +105,8 @@ PerPolygonExtraction::~PerPolygonExtraction() = default;
 ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   State& s = *state_;
   ExtractionStatistics statistics;
-  StepTimer total(s.timing), timer(s.timing);
-  s.begin(frame, timer, statistics);
+  StepClock clock(s.timing);
+  s.begin(frame, clock);
   const std::vector<PictureData::Visible>& visible = s.picture.visible();
   statistics.polygons_visible = visible.size();
   statistics.polygons_skipped_back_face = s.picture.count(Fate::back_face);
@@ -143,17 +121,17 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
     if (suppressing && !s.is_suppressed(slot)) ++statistics.polygons_exempt_small;
     if (!has_outline) continue;
     s.mask.judge(s.picture, slot, undistorted, s.scene, s.options.near_plane, s.suppressor.alpha());
-    timer.lap(statistics.ms_occlusion);
+    clock.lap(ExtractionStep::occlusion);
     const GLuint alpha = s.is_suppressed(slot) ? s.suppressor.suppress(box.width, box.height) : s.suppressor.alpha();
-    timer.lap(statistics.ms_suppression);
+    clock.lap(ExtractionStep::suppression);
     const PolygonTextures::Item& own = s.textures[polygon];
     s.normaliser.fuse(slot, undistorted, alpha, s.options.near_plane, s.is_late(polygon, frame.state.stamp),
                       own.texture.id(), own.width, own.height);
-    timer.lap(statistics.ms_normalisation);
+    clock.lap(ExtractionStep::normalisation);
     s.filler.fill(own.texture.id(), polygon, s.store.polygon_states(), true);
-    timer.lap(statistics.ms_filling);
+    clock.lap(ExtractionStep::filling);
     s.copier.copy(s.picture, slot, s.filler.filled(), own.texture.id(), s.store);
-    timer.lap(statistics.ms_other);
+    clock.lap(ExtractionStep::other);
     if (!s.is_late(polygon, frame.state.stamp)) s.newest[polygon] = frame.state.stamp;
     touched.push_back(polygon);
   }
@@ -163,8 +141,8 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
     s.store.spread_to_never_seen();
   }
   if (s.counting) statistics.texels_observed = s.normaliser.take_count();
-  timer.lap(statistics.ms_other);
-  total.lap(statistics.ms_total);
+  clock.lap(ExtractionStep::other);
+  clock.report(statistics);
   return statistics;
 }
 
@@ -182,8 +160,8 @@ void PerPolygonExtraction::adopt_store() {
   std::ranges::fill(s.newest, std::nullopt);
 }
 
-void PerPolygonExtraction::set_timing(bool on) {
-  state_->timing = on;
+void PerPolygonExtraction::set_timing(ExtractionTiming timing) {
+  state_->timing = timing;
 }
 
 void PerPolygonExtraction::set_counting(bool on) {
@@ -197,9 +175,8 @@ PerPolygonExtraction::Intermediate PerPolygonExtraction::inspect(const CameraFra
     throw InputError("polygon " + std::to_string(polygon),
                      "is not in the model of " + std::to_string(s.textures.size()) + " polygons");
   }
-  StepTimer no_timer(false);
-  ExtractionStatistics unused;
-  s.begin(frame, no_timer, unused);
+  StepClock no_clock(ExtractionTiming::off);
+  s.begin(frame, no_clock);
   const PolygonTextures::Item& own = s.textures[polygon];
   const int width = own.width, height = own.height;
   const GlTexture fused = make_texture_2d(GL_RGBA8, width, height);

@@ -80,9 +80,8 @@ class PerPolygonExtraction final : public ExtractionPipeline {
   ExtractionStatistics extract(const CameraFrame& frame) override;
   void clear() override;
   void adopt_store() override;
-  /// Finish + wall clock after every step, filled into the statistics; slows the pipeline down.
-  void set_timing(bool on);
-  void set_counting(bool on);  ///< fill texels_observed
+  void set_timing(ExtractionTiming timing) override;
+  void set_counting(bool on) override;
 
   /// For tests: the state after the steps of the last picture that touched `polygon`.
   struct Intermediate {
