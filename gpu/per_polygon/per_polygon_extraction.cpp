@@ -81,6 +81,7 @@ struct PerPolygonExtraction::State {
   HoleFiller filler;
   ChartCopier copier;
   ExtractionTiming timing = ExtractionTiming::off;
+  TimerQueries timer_queries;
   bool counting = false;
 };
 
@@ -105,7 +106,7 @@ PerPolygonExtraction::~PerPolygonExtraction() = default;
 ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   State& s = *state_;
   ExtractionStatistics statistics;
-  StepClock clock(s.timing);
+  StepClock clock(s.timing, &s.timer_queries);
   s.begin(frame, clock);
   const std::vector<PictureData::Visible>& visible = s.picture.visible();
   statistics.polygons_visible = visible.size();
