@@ -1,4 +1,5 @@
 #pragma once
+#include "foreview/gpu/draw_tally.h"
 #include "foreview/gpu/gl_objects.h"
 
 namespace foreview {
@@ -6,6 +7,7 @@ namespace foreview {
 /// Runs the current compute program once per texel of a width x height image. Its work groups are 8x8; it must itself
 /// leave out what lies beyond the image.
 inline void dispatch_over(int width, int height) {
+  count_draw();
   glDispatchCompute(static_cast<GLuint>(width + 7) / 8, static_cast<GLuint>(height + 7) / 8, 1);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "foreview/gpu/draw_tally.h"
 #include "foreview/scene/errors.h"
 
 namespace foreview {
@@ -143,6 +144,7 @@ void TextureStore::update_levels(const std::vector<std::uint32_t>& polygons) {
     const std::size_t columns = std::min(count, kGroupsPerRow);
     glUniform1ui(0, static_cast<GLuint>(first));
     glUniform1ui(1, static_cast<GLuint>(count));
+    count_draw();
     glDispatchCompute(static_cast<GLuint>(columns), static_cast<GLuint>((count + columns - 1) / columns), 1);
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
@@ -160,6 +162,7 @@ void TextureStore::spread_to_never_seen() {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glUseProgram(tools_->spread_begin.id());
   glUniform1ui(0, polygons);
+  count_draw();
   glDispatchCompute(groups, 1, 1);
 
   glUseProgram(tools_->spread_pass.id());
@@ -168,6 +171,7 @@ void TextureStore::spread_to_never_seen() {
   for (GLuint pass = 1; pass <= polygons; ++pass) {
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glUniform1ui(1, pass);
+    count_draw();
     glDispatchCompute(groups, 1, 1);
     if (pass % kPassesPerCheck == 0) {
       glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -181,6 +185,7 @@ void TextureStore::spread_to_never_seen() {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glUseProgram(tools_->spread_end.id());
   glUniform1ui(0, polygons);
+  count_draw();
   glDispatchCompute(1, 1, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }

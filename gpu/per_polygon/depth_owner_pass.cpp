@@ -5,6 +5,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <vector>
 
+#include "foreview/gpu/draw_tally.h"
+
 namespace foreview::per_polygon {
 
 DepthOwnerPass::DepthOwnerPass(const PolygonModel& model)
@@ -63,6 +65,7 @@ void DepthOwnerPass::draw(const PictureData& picture, const CameraModel& camera,
   glUniform1f(1, static_cast<float>(near_plane));
   glVertexArrayVertexBuffer(vertex_array_.id(), 0, picture.corners(), 0, 3 * sizeof(float));
   glBindVertexArray(vertex_array_.id());
+  count_draw();
   glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
   glDisable(GL_DEPTH_TEST);

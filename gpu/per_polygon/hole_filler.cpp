@@ -129,6 +129,7 @@ void HoleFiller::run_pyramid(GLuint fused, int width, int height, GLuint states,
   } else {
     glBindImageTexture(0, levels_[top - 1].id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   }
+  count_draw();
   glDispatchCompute(1, 1, 1);
   image_barrier();
   if (!down || top == 0) return;
@@ -163,8 +164,9 @@ void HoleFiller::iterate(GLuint fused, int width, int height) {
   glBindVertexArray(no_vertices_.id());
   glUseProgram(iterate_.id());
   glUniform2i(0, width, height);
-  const auto draw = [](const GlProgram& program) {
+  const auto draw = [this](const GlProgram& program) {
     glUseProgram(program.id());
+    count_draw(&program == &copy_);  // into the copy's target
     glDrawArrays(GL_TRIANGLES, 0, 3);
   };
   int current = 0;

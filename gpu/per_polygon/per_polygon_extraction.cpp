@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "foreview/gpu/draw_tally.h"
 #include "foreview/gpu/per_polygon/artefact_suppressor.h"
 #include "foreview/gpu/per_polygon/chart_copier.h"
 #include "foreview/gpu/per_polygon/depth_owner_pass.h"
@@ -107,6 +108,7 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   State& s = *state_;
   ExtractionStatistics statistics;
   StepClock clock(s.timing, &s.timer_queries);
+  const DrawTally tally_before = draw_tally();
   s.begin(frame, clock);
   const std::vector<PictureData::Visible>& visible = s.picture.visible();
   statistics.polygons_visible = visible.size();
@@ -135,12 +137,18 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
     clock.lap(ExtractionStep::other);
     if (!s.is_late(polygon, frame.state.stamp)) s.newest[polygon] = frame.state.stamp;
     touched.push_back(polygon);
+    const auto texels = static_cast<std::size_t>(own.width) * static_cast<std::size_t>(own.height);
+    statistics.texels_written += texels;
+    statistics.texels_filled += texels;
   }
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   if (!touched.empty()) {
     s.store.update_levels(touched);
     s.store.spread_to_never_seen();
   }
+  statistics.charts_touched = touched.size();
+  statistics.draw_calls = draw_tally().draw_calls - tally_before.draw_calls;
+  statistics.passes = draw_tally().passes - tally_before.passes;
   if (s.counting) statistics.texels_observed = s.normaliser.take_count();
   clock.lap(ExtractionStep::other);
   clock.report(statistics);

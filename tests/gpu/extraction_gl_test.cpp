@@ -656,6 +656,24 @@ TEST_F(ExtractionTest, TimesStepsWhenAsked) {
   EXPECT_NEAR(s.total_ms, sum, 0.01);
 }
 
+TEST_F(ExtractionTest, CountsTexelsAndDraws) {
+  RawMesh mesh;
+  add_quad(mesh, -0.32, -0.32, 0.32, 0.32, 1);
+  build(mesh);
+  const cv::Mat fused = pipeline_->inspect(frame(), polygon_at({0, 0, 1})).fused;
+  const ExtractionStatistics s = pipeline_->extract(frame());
+  EXPECT_EQ(s.charts_touched, 1U);
+  EXPECT_EQ(s.texels_written, fused.total());
+  EXPECT_EQ(s.texels_filled, fused.total());
+  // Depth, mask, three diamond passes, normalisation, the pyramid's tip, chart, levels, colours of never-seen polygons.
+  EXPECT_GE(s.draw_calls, 10U);
+  EXPECT_EQ(s.passes, s.draw_calls);
+  // Two more passes of suppression are two more passes.
+  options_.passes += 2;
+  build(mesh);
+  EXPECT_EQ(pipeline_->extract(frame()).passes, s.passes + 2);
+}
+
 void expect_input_error(const std::function<void()>& action, const std::string& part_of_text) {
   try {
     action();
