@@ -45,6 +45,7 @@ struct EvaluateCommand {
       });
     }
     std::fputs(evaluation_table(evaluation, options).c_str(), stdout);
+    if (options.replay.stats) std::fputs(counters_text(replayer.counters()).c_str(), stdout);
     std::fflush(stdout);
     if (!json.empty()) write_file_whole(json, evaluation_json(evaluation, options));
     // Half a run's textures would pass for those of the whole.
@@ -64,6 +65,7 @@ void add_evaluate_command(CLI::App& app) {
       "SSIM, how much of the view has been seen, and the error beyond silhouettes, where ghosts appear.");
   const auto evaluate = std::make_shared<EvaluateCommand>();
   add_replay_options(command, evaluate->options.replay);
+  add_pipeline_options(command, evaluate->options.replay);
   command
       .add_option_function<std::string>(
           "--every", [evaluate](const std::string& text) { evaluate->options.every = parse_count(text, "--every"); },

@@ -45,6 +45,10 @@ const char* to_string(HoleFilling fill) {
   return "none";
 }
 
+const char* to_string(PipelineKind pipeline) {
+  return pipeline == PipelineKind::batched ? "batched" : "per-polygon";
+}
+
 ArtefactSuppression parse_artefact_suppression(const std::string& text, const std::string& option) {
   return parse_choice(text, option,
                       {ArtefactSuppression::diamond, ArtefactSuppression::alternating, ArtefactSuppression::progressive,
@@ -53,6 +57,10 @@ ArtefactSuppression parse_artefact_suppression(const std::string& text, const st
 
 HoleFilling parse_hole_filling(const std::string& text, const std::string& option) {
   return parse_choice(text, option, {HoleFilling::pyramid, HoleFilling::iterative, HoleFilling::none});
+}
+
+PipelineKind parse_pipeline(const std::string& text, const std::string& option) {
+  return parse_choice(text, option, {PipelineKind::batched, PipelineKind::per_polygon});
 }
 
 }  // namespace foreview

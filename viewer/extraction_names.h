@@ -10,7 +10,10 @@ namespace foreview {
 [[nodiscard]] ArtefactSuppression parse_artefact_suppression(const std::string& text, const std::string& option);
 /// "pyramid", "iterative", "none".
 [[nodiscard]] HoleFilling parse_hole_filling(const std::string& text, const std::string& option);
+/// "batched", "per-polygon".
+[[nodiscard]] PipelineKind parse_pipeline(const std::string& text, const std::string& option);
 [[nodiscard]] const char* to_string(ArtefactSuppression artefacts);
 [[nodiscard]] const char* to_string(HoleFilling fill);
+[[nodiscard]] const char* to_string(PipelineKind pipeline);
 
 }  // namespace foreview

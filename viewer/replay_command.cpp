@@ -120,6 +120,7 @@ void run(const ReplayCommand& given, bool quiet) {
   if (replayer.pictures_damaged() > 0) {
     spdlog::warn("{} picture(s) could not be read and were left out", replayer.pictures_damaged());
   }
+  if (command.replay.stats) std::cout << counters_text(replayer.counters()) << std::flush;
   replayer.save_textures_if_asked();
   if (command.json) write_json(*command.json, replayer, command, summary);
   throw_if_interrupted();
@@ -131,6 +132,7 @@ void add_replay_command(CLI::App& app) {
   CLI::App* replay = app.add_subcommand("replay", "Show the predicted view of a recording, in a window or as pictures");
   const auto command = std::make_shared<ReplayCommand>();
   add_replay_options(*replay, command->replay);
+  add_pipeline_options(*replay, command->replay);
   ReplaySessionOptions& session = command->session;
   replay->add_option("--speed", session.speed, "Recorded seconds per second (default: 1)")->type_name("FACTOR");
   replay->add_flag("--loop", session.loop, "Begin anew at the end");

@@ -120,4 +120,16 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
       text_into(options.save_textures));
 }
 
+void add_pipeline_options(CLI::App& command, ReplayOptions& options) {
+  add(command, "--pipeline", "KIND",
+      "How textures are extracted: batched (all polygons at once) or per-polygon (the method of 2005, with all its "
+      "variants) (default: batched)",
+      [&options](const std::string& text, const std::string& option) {
+        options.pipeline = parse_pipeline(text, option);
+      });
+  command.add_flag("--stats", options.stats,
+                   "Print the run's counters at the end: pictures, texels, polygons, memory, passes. Counting observed "
+                   "texels costs a read-back per picture");
+}
+
 }  // namespace foreview

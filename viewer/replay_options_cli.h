@@ -17,6 +17,9 @@ namespace foreview {
 /// while the app is being parsed.
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
+/// Adds --pipeline and --stats, likewise.
+void add_pipeline_options(CLI::App& command, ReplayOptions& options);
+
 /// A whole number from 1 to a million; InputError naming `option`.
 [[nodiscard]] std::size_t parse_count(const std::string& text, const std::string& option);
 

@@ -11,11 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "foreview/recordings/builtin.h"
 #include "foreview/scene/errors.h"
-#include "foreview/viewer/interrupt.h"
-#include "foreview/viewer/progress.h"
-#include "foreview/viewer/texture_proposal.h"
+#include "foreview/viewer/replay_input.h"
 #include "foreview/viewer/undistortion.h"
 
 namespace foreview {
@@ -31,115 +28,24 @@ struct PictureId {
   auto operator<=>(const PictureId&) const = default;  // NOLINT(modernize-use-nullptr): the compiler's own 0
 };
 
-/// A directory wins over a built-in recording of the same name: it is what someone who generated one there means.
-Recording open_recording(const fs::path& place) {
-  std::error_code error;
-  const std::vector<std::string> names = builtin_recording_names();
-  const bool is_builtin = std::find(names.begin(), names.end(), place.string()) != names.end();
-  if (!is_builtin && !fs::exists(place, error)) {
-    std::string listed;
-    for (const std::string& name : names) listed += (listed.empty() ? "" : ", ") + name;
-    throw InputError(place.string(), "no such directory, nor a built-in recording (" + listed + ")");
-  }
-  if (!is_builtin || fs::is_directory(place, error)) return Recording::open(place);
-  GenerateOptions generate;
-  generate.name = place.string();
-  std::unique_ptr<ProgressBar> bar;
-  const fs::path directory = cached_recording(generate, [&](std::size_t done, std::size_t todo) {
-    throw_if_interrupted();
-    if (!bar) bar = std::make_unique<ProgressBar>("generating " + generate.name, todo);
-    bar->update(done);
-  });
-  return Recording::open(directory);
-}
-
-fs::path find_scene(const ReplayOptions& options, const Recording& recording) {
-  std::error_code error;
-  if (options.scene) {
-    if (fs::is_regular_file(*options.scene, error)) return *options.scene;
-    const fs::path beside = recording.directory() / *options.scene;
-    if (fs::is_regular_file(beside, error)) return beside;
-    throw InputError("--scene", "no such file: " + options.scene->string() + " (nor in " +
-                                    recording.directory().string() + "); expected a polygon model");
-  }
-  const auto own = recording.scene_file();
-  if (!own) {
-    throw InputError(recording.directory().string(),
-                     "the recording has no scene model; expected scene.ply, scene.obj or the like, or --scene FILE");
-  }
-  if (!fs::is_regular_file(*own, error)) {
-    throw InputError(own->string(), "no such file, though the recording names it as its scene model; see --scene");
-  }
-  return *own;
-}
-
-PolygonModel load_model(const ReplayOptions& options, const Recording& recording) {
-  const fs::path file = find_scene(options, recording);
-  ImportReport report;
-  PolygonModel model = import_model(file, recording.import_options(), &report);
-  spdlog::info("{}: {} polygons, {} of them backdrop, in {} part(s)", file.string(), model.polygons().size(),
-               report.backdrop_polygons, model.parts().size());
-  const std::size_t dropped = report.faces_with_bad_index + report.faces_not_finite + report.faces_degenerate +
-                              report.faces_duplicate + report.faces_too_complex;
-  if (dropped > 0) {
-    spdlog::warn("{}: {} of {} faces are unusable and were dropped; foreview inspect tells why", file.string(), dropped,
-                 report.faces_in);
-  }
-  for (const std::string& warning : report.warnings) spdlog::debug("{}: {}", file.string(), warning);
-  return model;
-}
-
-ChartOptions chart_options_for(const ReplayOptions& options, const Recording& recording, const PolygonModel& model) {
-  ChartOptions charts;
-  const auto density = options.density ? options.density : recording.proposed_density();
-  const auto max_texels = options.max_texels ? options.max_texels : recording.proposed_max_texels();
-  TextureProposal proposal;
-  if (!density || !max_texels) proposal = propose_textures(recording, model);
-  charts.texels_per_metre = density.value_or(proposal.texels_per_metre);
-  charts.max_texels = max_texels.value_or(proposal.max_texels);
-  spdlog::info("textures: {:g} texels/m ({}), at most {} texels along an axis", charts.texels_per_metre,
-               options.density ? "--density"
-               : density       ? "the recording's proposal"
-                               : "what the pictures resolve",
-               charts.max_texels);
-  GLint limit = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  charts.page_size = std::min(charts.page_size, static_cast<int>(limit));
-  return charts;
-}
-
 ChartLayout lay_out(const PolygonModel& model, const ChartOptions& options) {
   ChartLayout layout = lay_out_charts(model, options);
   for (const std::string& note : layout.notes) spdlog::info("textures: {}", note);
   return layout;
 }
 
-/// Recording, model and options in the order in which each needs the one before.
-struct Loaded {
-  explicit Loaded(const ReplayOptions& from)
-      : options(from),
-        recording((from.extraction.validate(), open_recording(from.recording))),
-        camera(recording.camera_index(from.camera)),
-        model(load_model(from, recording)),
-        charts(chart_options_for(from, recording, model)) {}
-  ReplayOptions options;
-  Recording recording;
-  std::size_t camera;
-  PolygonModel model;
-  ChartOptions charts;
-};
-
 }  // namespace
 
-struct Replayer::State : Loaded {
+struct Replayer::State : ReplayInput {
   explicit State(const ReplayOptions& from)
-      : Loaded(from),
+      : ReplayInput(from),
         operator_camera(recording.cameras()[camera].model.undistorted()),
         undistortion(recording.cameras()[camera].model),
         store(model, lay_out(model, charts)),
         extraction(make_extraction_pipeline(options.pipeline, store, charts, options.extraction)),
         view(store) {
     find_span();
+    extraction->set_counting(options.stats);
     begin_afresh();
     store.spread_to_never_seen();
   }
@@ -330,6 +236,15 @@ std::size_t Replayer::pictures_extracted() const {
 }
 std::size_t Replayer::pictures_damaged() const {
   return state_->damaged.size();
+}
+RunCounters Replayer::counters() const {
+  RunCounters counters;
+  counters.pictures_extracted = state_->pictures_extracted;
+  counters.pictures_damaged = state_->damaged.size();
+  counters.sum = state_->statistics;
+  counters.observed_counted = state_->options.stats;
+  counters.describe(state_->model, state_->store.layout());
+  return counters;
 }
 double Replayer::extraction_seconds() const {
   return state_->seconds;

@@ -9,6 +9,7 @@
 #include "foreview/gpu/texture_store.h"
 #include "foreview/recordings/recording.h"
 #include "foreview/viewer/predicted_view.h"
+#include "foreview/viewer/run_counters.h"
 
 namespace foreview {
 
@@ -25,6 +26,7 @@ struct ReplayOptions {
   std::optional<double> density;  ///< texels per metre; else the recording's proposal, else propose_textures()
   std::optional<int> max_texels;  ///< else the recording's proposal, else propose_textures()
   std::optional<std::filesystem::path> load_textures, save_textures;
+  bool stats = false;  ///< count the texels that took a colour, too, which costs a read-back per picture
 };
 
 /// A recording, its model and the textures that delayed pictures give it. Needs a current GL context (4.5, set up by
@@ -71,7 +73,9 @@ class Replayer {
   [[nodiscard]] const ExtractionStatistics& statistics() const;
   [[nodiscard]] std::size_t pictures_extracted() const;
   [[nodiscard]] std::size_t pictures_damaged() const;  ///< found unreadable so far
-  [[nodiscard]] double extraction_seconds() const;     ///< wall clock, reading and decoding of pictures not included
+  /// What --stats prints: statistics() and what else was counted.
+  [[nodiscard]] RunCounters counters() const;
+  [[nodiscard]] double extraction_seconds() const;  ///< wall clock, reading and decoding of pictures not included
   /// Writes --save-textures if asked for.
   void save_textures_if_asked() const;
 

@@ -15,6 +15,7 @@ ReplayOptions parse(std::vector<std::string> arguments) {
   CLI::App app;
   ReplayOptions options;
   add_replay_options(app, options);
+  add_pipeline_options(app, options);
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);
   return options;
@@ -40,6 +41,15 @@ TEST(ReplayOptionsCli, DefaultsAreThoseOfTheStructure) {
   EXPECT_EQ(options.extraction.artefacts, ArtefactSuppression::diamond);
   EXPECT_EQ(options.extraction.passes, 3);
   EXPECT_EQ(options.extraction.fill, HoleFilling::pyramid);
+}
+
+TEST(ReplayOptionsCli, PipelineAndCounters) {
+  EXPECT_EQ(parse({"workcell"}).pipeline, PipelineKind::batched);
+  EXPECT_FALSE(parse({"workcell"}).stats);
+  EXPECT_EQ(parse({"workcell", "--pipeline", "per-polygon"}).pipeline, PipelineKind::per_polygon);
+  EXPECT_EQ(parse({"workcell", "--pipeline", "batched", "--stats"}).pipeline, PipelineKind::batched);
+  EXPECT_TRUE(parse({"workcell", "--stats"}).stats);
+  EXPECT_NE(refusal({"workcell", "--pipeline", "both"}).find("--pipeline"), std::string::npos);
 }
 
 TEST(ReplayOptionsCli, AllOptions) {

@@ -1,0 +1,24 @@
+#pragma once
+#include <cstddef>
+
+#include "foreview/recordings/recording.h"
+#include "foreview/scene/chart_layout.h"
+#include "foreview/scene/polygon_model.h"
+#include "foreview/viewer/replayer.h"
+
+namespace foreview {
+
+/// Recording, model and chart options that ReplayOptions name: made in this order, since each needs the one before.
+struct ReplayInput {
+  /// Opens the recording (a directory wins over a built-in one of the same name, which is generated first where it is
+  /// not cached, with a progress bar) and imports the model. Needs a current GL context, for its limits. Throws
+  /// InputError where the recording, its model or the options cannot be used.
+  explicit ReplayInput(const ReplayOptions& from);
+  ReplayOptions options;
+  Recording recording;
+  std::size_t camera;  ///< index of the operator's camera
+  PolygonModel model;
+  ChartOptions charts;
+};
+
+}  // namespace foreview
