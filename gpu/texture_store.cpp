@@ -61,7 +61,7 @@ struct TextureStore::Tools {
   GlProgram spread_pass = make_compute_program("spread_pass.comp.glsl");
   GlProgram spread_end = make_compute_program("spread_end.comp.glsl");
   GlBuffer blocks, first_neighbour, neighbours, rims, changed;
-  std::vector<std::uint32_t> block_list;
+  std::vector<std::uint32_t> block_list, group_list;
 };
 
 TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout) : model_(model), layout_(std::move(layout)) {
@@ -84,7 +84,8 @@ TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout) : mode
   tools_ = std::make_unique<Tools>();
   polygon_states_ = make_buffer(nullptr, polygons * sizeof(PolygonState), GL_DYNAMIC_STORAGE_BIT);
   std::size_t blocks = 0;
-  for (const Chart& chart : layout_.charts) {
+  assert(layout_.members.size() == polygons && layout_.outline.size() == model_.corners().size());
+  for (const ChartGroup& chart : layout_.groups) {
     assert(chart.origin.x % kChartAlignment == 0 && chart.origin.y % kChartAlignment == 0);
     assert(chart.size.x % kChartAlignment == 0 && chart.size.y % kChartAlignment == 0);
     assert(chart.page < layout_.pages && chart.origin.x + chart.size.x <= layout_.page_size &&
@@ -121,8 +122,13 @@ void TextureStore::clear() {
 void TextureStore::update_levels(const std::vector<std::uint32_t>& polygons) {
   std::vector<std::uint32_t>& blocks = tools_->block_list;
   blocks.clear();
-  for (const std::uint32_t polygon : polygons) {
-    const Chart& chart = layout_.charts[polygon];
+  std::vector<std::uint32_t>& groups = tools_->group_list;
+  groups.clear();
+  for (const std::uint32_t polygon : polygons) groups.push_back(layout_.charts[polygon].group);
+  std::sort(groups.begin(), groups.end());
+  groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+  for (const std::uint32_t group : groups) {
+    const ChartGroup& chart = layout_.groups[group];
     const glm::ivec2 first = chart.origin / kChartAlignment, count = chart.size / kChartAlignment;
     for (int y = 0; y < count.y; ++y) {
       for (int x = 0; x < count.x; ++x) blocks.push_back(pack_block(first.x + x, first.y + y, chart.page));

@@ -40,7 +40,7 @@ class TextureStore {
   // current context's program, and its bindings of the first few texture and image units and shader storage buffers.
   // They issue the memory barriers that writers before and readers after them need.
 
-  /// Rebuilds levels 1.. of the given polygons' charts (each named once) from level 0, never across charts; all in one
+  /// Rebuilds levels 1.. of the blocks of the given polygons' groups from level 0, never across blocks; all in one
   /// dispatch. The colour of a level's texel is the mean of all level 0 texels under it, and so is its alpha.
   void update_levels(const std::vector<std::uint32_t>& polygons);
   /// Gives polygons that no picture has shown their neighbours' colours, through the mesh's adjacency: from the rim of

@@ -107,8 +107,9 @@ void load_textures(TextureStore& store, const fs::path& directory) {
   const ChartLayout& layout = store.layout();
   if (index.layout_fingerprint != layout_fingerprint(layout)) {
     throw InputError(index_file.string(),
-                     "these textures were made with other sizes (layout_fingerprint differs); use the same --density "
-                     "and --max-texels as when they were saved");
+                     "these textures were made with other sizes, or by the other pipeline, which groups polygons "
+                     "otherwise (layout_fingerprint differs); use the same --density, --max-texels and --pipeline as "
+                     "when they were saved");
   }
   const std::size_t polygons = store.model().polygons().size();
   if (static_cast<std::size_t>(index.polygons) != polygons || index.page_size != layout.page_size ||

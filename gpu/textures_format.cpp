@@ -161,13 +161,15 @@ std::uint64_t layout_fingerprint(const ChartLayout& layout) {
   Fnv1a hash;
   hash.add(static_cast<std::uint32_t>(layout.page_size));
   hash.add(layout.pages);
-  for (const Chart& chart : layout.charts) {
-    hash.add(chart.page);
-    for (const glm::ivec2& v : {chart.origin, chart.size, chart.inner}) {
+  for (const ChartGroup& group : layout.groups) {
+    hash.add(group.page);
+    for (const glm::ivec2& v : {group.origin, group.size, group.inner}) {
       hash.add(static_cast<std::uint32_t>(v.x));
       hash.add(static_cast<std::uint32_t>(v.y));
     }
+    hash.add(group.member_count);
   }
+  for (const std::uint32_t polygon : layout.members) hash.add(polygon);
   return hash.hash();
 }
 

@@ -12,7 +12,7 @@ namespace foreview {
 ///
 /// textures.yaml:
 ///   format: foreview-textures
-///   version: 1
+///   version: 2
 ///   model_fingerprint: "16 hexadecimal digits"   # PolygonModel::fingerprint()
 ///   layout_fingerprint: "..."                    # layout_fingerprint()
 ///   polygons: 1936
@@ -29,7 +29,7 @@ struct TexturesIndex {
   bool operator==(const TexturesIndex&) const = default;
 };
 
-inline constexpr int kTexturesVersion = 1;
+inline constexpr int kTexturesVersion = 2;
 
 [[nodiscard]] std::string to_textures_yaml(const TexturesIndex& index);
 /// Throws InputError ("WHERE:LINE: ...") where a key is missing, unknown, of a wrong kind or out of range.
@@ -41,7 +41,7 @@ inline constexpr int kTexturesVersion = 1;
 [[nodiscard]] std::vector<TextureStore::PolygonState> parse_states_csv(std::string_view text, const std::string& where,
                                                                        std::size_t polygons);
 
-/// Where the charts lie; textures fit only a layout with the same one.
+/// Where the charts lie and which polygons share one; textures fit only a layout with the same one.
 [[nodiscard]] std::uint64_t layout_fingerprint(const ChartLayout& layout);
 /// FNV-1a, 64 bits: against damage, not against intent.
 [[nodiscard]] std::uint64_t file_checksum(std::string_view bytes);

@@ -95,12 +95,14 @@ ModelInspection inspect_model(const std::filesystem::path& file, const ImportOpt
     ++result.part_polygons[model.polygons()[i].part];
     if (model.polygons()[i].is_backdrop) continue;
     result.area += polygon_area(model, i);
-    const glm::dvec2 extent = result.layout.charts[i].frame.extent;
+    const glm::dvec2 extent = polygon_frame(model, i).extent;
     const double longer = std::max(extent.x, extent.y);
     result.largest_extent = std::max(result.largest_extent, longer);
     result.polygons_too_large += longer > largest * (1 + 1e-9) ? 1 : 0;
   }
   result.layout.charts.clear();
+  for (const ChartGroup& group : result.layout.groups)
+    result.charts += model.polygons()[result.layout.members[group.first_member]].is_backdrop ? 0 : 1;
   result.findings = result.report.warnings;
   add_texture_findings(result);
   return result;
@@ -144,6 +146,7 @@ std::string to_text(const ModelInspection& inspection) {
 
   table.heading(fmt::format("Textures at {:g} texels per metre, at most {} along an axis",
                             inspection.chart_options.texels_per_metre, inspection.chart_options.max_texels));
+  table.row("charts, without the backdrop", grouped(inspection.charts));
   table.row("useful texels", grouped(static_cast<std::size_t>(layout.useful_texels)));
   table.row("texels written per useful texel", fmt::format("{:.2f}", texels_per_useful(layout)));
   table.row("atlas pages", fmt::format("{} of {} x {} texels", layout.pages, layout.page_size, layout.page_size));
@@ -200,7 +203,8 @@ std::string to_json(const ModelInspection& inspection) {
                                          {"opposed_winding", r.edges_with_opposed_winding},
                                          {"not_manifold", r.edges_not_manifold}}},
                                        {"textures",
-                                        {{"useful_texels", layout.useful_texels},
+                                        {{"charts", inspection.charts},
+                                         {"useful_texels", layout.useful_texels},
                                          {"written_texels", layout.written_texels},
                                          {"texels_per_useful_texel", texels_per_useful(layout)},
                                          {"pages", layout.pages},

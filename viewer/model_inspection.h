@@ -21,6 +21,7 @@ struct ModelInspection {
   double largest_extent = 0;               ///< metres, longer side of the largest polygon's box, without the backdrop
   std::size_t polygons_too_large = 0;      ///< for max_texels at the density asked for, without the backdrop
   ChartLayout layout;                      ///< without its charts
+  std::size_t charts = 0;                  ///< groups of polygons that share a block, without the backdrop
   std::vector<std::string> findings;       ///< what looks wrong, one line each
 };
 

@@ -25,6 +25,15 @@ namespace {
 
 using namespace per_polygon;
 
+TextureStore& without_groups(TextureStore& store) {
+  if (store.layout().groups.size() != store.layout().charts.size()) {
+    throw InputError("texture layout",
+                     "holds several polygons in one chart; the per-polygon pipeline needs ChartOptions::group_polygons "
+                     "to be false");
+  }
+  return store;
+}
+
 const ExtractionOptions& validated(const ExtractionOptions& options) {
   options.validate();
   return options;
@@ -49,7 +58,7 @@ cv::Mat read_alpha(GLuint texture, int width, int height) {
 
 struct PerPolygonExtraction::State {
   State(TextureStore& store_, const ChartOptions& chart_options, const ExtractionOptions& options_)
-      : store(store_),
+      : store(without_groups(store_)),
         options(validated(options_)),
         textures(store.model(), chart_options),
         newest(textures.size()),

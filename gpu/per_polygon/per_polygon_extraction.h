@@ -74,7 +74,8 @@ class PerPolygonExtraction final : public ExtractionPipeline {
   static constexpr double kBand = 2.5;  ///< pixels
 
   /// `density` (texels/m) and `max_texels` of spec 6 come from `chart_options`, the ones the store was laid out with.
-  /// The store must outlive the pipeline.
+  /// The store must outlive the pipeline. Throws InputError where the store was laid out with groups of polygons: what
+  /// is copied is a whole block.
   PerPolygonExtraction(TextureStore& store, const ChartOptions& chart_options, const ExtractionOptions& options);
   ~PerPolygonExtraction() override;
   ExtractionStatistics extract(const CameraFrame& frame) override;

@@ -16,7 +16,7 @@ int main(int argc, char** argv) try {
       foreview::import_model(recording.scene_file().value(), recording.import_options());
 
   foreview::OffscreenContext context;
-  const foreview::ChartOptions charts{.texels_per_metre = 200};
+  const foreview::ChartOptions charts{.texels_per_metre = 200, .group_polygons = false};
   foreview::TextureStore store(model, foreview::lay_out_charts(model, charts));
   foreview::PerPolygonExtraction extraction(store, charts, {});
   foreview::PredictedView view(store);

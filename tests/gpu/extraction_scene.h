@@ -36,6 +36,7 @@ class ExtractionTest : public GlTest {
     charts_.texels_per_metre = 100;
     charts_.max_texels = 256;
     charts_.page_size = 1024;
+    charts_.group_polygons = false;
     options_.small_texture = 0;
   }
 

@@ -53,8 +53,14 @@ namespace foreview {
     chart.frame = polygon_frame(model, i);
     chart.inner = chart.size - 2 * kChartGutter;
     chart.texels_per_metre = glm::dvec2(chart.inner) / chart.frame.extent;
+    chart.normal = model.polygons()[i].normal;
+    chart.offset = model.polygons()[i].offset;
+    chart.group = static_cast<std::uint32_t>(i);
     layout.charts.push_back(chart);
+    layout.groups.push_back({chart.page, chart.origin, chart.size, chart.inner, chart.group, 1});
+    layout.members.push_back(chart.group);
   }
+  layout.outline.assign(model.corners().size(), true);
   return layout;
 }
 

@@ -47,7 +47,7 @@ TEST(TexturesYaml, NamesPlaceAndReasonOfEveryDamage) {
       {"- 1\n- 2\n", "textures.yaml"},
       {"format: [", "not valid YAML"},
       {replaced("foreview-textures", "something"), "textures.yaml:1: format: 'something' is not foreview-textures"},
-      {replaced("version: 1", "version: 2"), "textures.yaml:2: version: is 2; this program reads 1"},
+      {replaced("version: 2", "version: 1"), "textures.yaml:2: version: is 1; this program reads 2"},
       {replaced("0123456789abcdef", "0123"), "model_fingerprint"},
       {replaced("0123456789abcdef", "0123456789abcdeg"), "model_fingerprint"},
       {replaced("polygons: 3", "polygons: 0"), "polygons"},
@@ -111,18 +111,23 @@ TEST(LayoutFingerprint, ChangesWithWhateverMovesATexel) {
   ChartLayout layout;
   layout.page_size = 64;
   layout.pages = 2;
-  layout.charts.resize(2);
-  layout.charts[1].origin = {16, 0};
+  layout.groups.resize(2);
+  layout.groups[1].origin = {16, 0};
+  layout.groups[0].member_count = 2;
+  layout.groups[1].member_count = 1;
+  layout.members = {0, 2, 1};
   const std::uint64_t first = layout_fingerprint(layout);
   EXPECT_EQ(layout_fingerprint(layout), first);
-  for (int change = 0; change < 6; ++change) {
+  for (int change = 0; change < 8; ++change) {
     ChartLayout other = layout;
     if (change == 0) other.page_size = 128;
     if (change == 1) other.pages = 3;
-    if (change == 2) other.charts[1].page = 1;
-    if (change == 3) other.charts[1].origin = {0, 16};
-    if (change == 4) other.charts[1].size.y = 16;
-    if (change == 5) other.charts[0].inner.x = 12;
+    if (change == 2) other.groups[1].page = 1;
+    if (change == 3) other.groups[1].origin = {0, 16};
+    if (change == 4) other.groups[1].size.y = 16;
+    if (change == 5) other.groups[0].inner.x = 12;
+    if (change == 6) other.groups[0].member_count = 1, other.groups[1].member_count = 2;
+    if (change == 7) other.members = {1, 2, 0};
     EXPECT_NE(layout_fingerprint(other), first) << change;
   }
 }

@@ -16,6 +16,7 @@ ChartOptions small_charts(double texels_per_metre = 80, int max_texels = 64) {
   options.texels_per_metre = texels_per_metre;
   options.max_texels = max_texels;
   options.page_size = 512;
+  options.group_polygons = false;
   return options;
 }
 

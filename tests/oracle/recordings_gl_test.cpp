@@ -50,6 +50,7 @@ ChartOptions charts_of(double density, int max_texels) {
   ChartOptions charts;
   charts.texels_per_metre = density;
   charts.max_texels = max_texels;
+  charts.group_polygons = false;
   return charts;
 }
 

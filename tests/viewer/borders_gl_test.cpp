@@ -136,6 +136,7 @@ struct TexturedPlane {
     options.texels_per_metre = kTexelsPerMetre;
     options.max_texels = max_texels;
     options.page_size = 2048;
+    options.group_polygons = false;
     return options;
   }
   static PolygonModel import(const RawMesh& mesh) {

@@ -18,7 +18,7 @@ using Rgb = glm::dvec3;
 /// A model whose charts are painted by the test instead of by extraction.
 class PaintedScene {
  public:
-  /// Faces stay as they are: nothing merged, no backdrop.
+  /// Faces stay as they are: nothing merged, no backdrop. The options must not group polygons: paint() fills blocks.
   PaintedScene(const RawMesh& mesh, const ChartOptions& options) {
     ImportOptions import;
     import.merge_coplanar = false;

@@ -29,6 +29,7 @@ ChartOptions density(double texels_per_metre, int max_texels = 256) {
   options.texels_per_metre = texels_per_metre;
   options.max_texels = max_texels;
   options.page_size = 1024;
+  options.group_polygons = false;
   return options;
 }
 
