@@ -13,13 +13,16 @@
 
 namespace foreview {
 
-const double kLeastGroupCosine = 0.75;
+const double kLeastGroupCosine = 0.71;
+const double kLeastTinyCosine = 0.3;
 
 namespace {
 
 constexpr double kOverlapTolerance = 1e-3;  // texels; the corners of neighbours are the same up to rounding
-constexpr double kLeastFill = 0.4;          // share of a group's box that members cover; a triangle has 0.5 of its own
-constexpr double kLeastCell = 8;            // texels
+constexpr double kLeastFill = 0.3;          // share of a group's box that members cover; a triangle has 0.5 of its own
+constexpr double kMostLoss = 0.25;          // share of its gutter that a polygon may lose in texels by its inclination
+constexpr double kTinyTexels = 4;           // area of polygons that any colour serves, but a block of their own wastes
+constexpr double kLeastCell = 1;            // texels
 constexpr int kCellsOfReach = 64;           // cells from the seed to the furthest that a group can reach
 constexpr std::size_t kRingPolygons = 32;   // round the seed, for the first guess of the group's normal
 
@@ -173,10 +176,15 @@ class Grouper {
   [[nodiscard]] Growth grow(std::uint32_t seed, const Axes& axes);
   bool try_add(Growth& growth, std::uint32_t polygon);
   bool keeps_apart(const Growth& growth, std::uint32_t polygon, const Outline& outline);
+  /// So small that the distance of their boxes is as good as theirs.
+  [[nodiscard]] bool are_tiny(const Outline& a, const Outline& b) const {
+    const glm::dvec2 size = glm::max(a.high - a.low, b.high - b.low);
+    return std::max(size.x, size.y) < 0.25 * limits_.separation;
+  }
   [[nodiscard]] bool share_place(std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] PolygonFrame frame_of(const Growth& growth) const;
   template <typename Use>
-  void for_cells(const Growth& growth, const glm::dvec2& low, const glm::dvec2& high, const Use& use);
+  void for_cells(const glm::dvec2& low, const glm::dvec2& high, const Use& use);
 
   const PolygonModel& model_;
   GroupingLimits limits_;
@@ -185,6 +193,7 @@ class Grouper {
   std::vector<std::uint32_t> places_;         // by corner
   std::vector<std::uint32_t> sorted_places_;  // by corner, sorted inside each polygon
   std::vector<double> areas_;                 // square metres
+  std::vector<double> least_cosine_;          // to a group's normal, by polygon
   std::vector<std::uint32_t> linked_, first_linked_;
   // While a group grows:
   std::vector<std::vector<std::uint32_t>> cells_;  // slots of the members whose boxes touch a cell
@@ -193,7 +202,11 @@ class Grouper {
   std::vector<std::uint32_t> slot_;
   std::vector<std::uint32_t> ring_stamp_;
   std::uint32_t ring_ = 0;
-  std::vector<std::uint32_t> near_, seen_slot_, open_;
+  struct Look {
+    std::uint32_t seen = 0, near = 0;  // the last look that came by the slot, and found it near
+  };
+  std::vector<Look> looks_;                          // by slot
+  std::vector<std::uint32_t> near_, open_, passed_;  // slots
   std::uint32_t look_ = 0;
   std::vector<std::uint32_t> touched_;
   std::vector<glm::dvec2> candidate_;
@@ -222,7 +235,14 @@ void Grouper::link() {
     std::sort(first, first + static_cast<std::ptrdiff_t>(polygon.corner_count));
     corners.clear();
     for (const std::uint32_t vertex : model_.corners_of(p)) corners.push_back(model_.vertices()[vertex]);
-    areas_.push_back(glm::length(vector_area(corners)));
+    const double area = areas_.emplace_back(glm::length(vector_area(corners)));
+    double perimeter = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      perimeter += glm::distance(corners[i], corners[(i + 1) % corners.size()]);
+    const double gutter = limits_.gutter * perimeter / limits_.texels_per_metre;
+    const double texels = area * limits_.texels_per_metre * limits_.texels_per_metre;
+    const double least = texels < kTinyTexels ? kLeastTinyCosine : kLeastGroupCosine;
+    least_cosine_.push_back(area > 0 ? std::max(least, 1 - kMostLoss * gutter / area) : least);
   }
 }
 
@@ -260,7 +280,7 @@ glm::dvec3 Grouper::normal_around(std::uint32_t seed) {
 }
 
 template <typename Use>
-void Grouper::for_cells(const Growth&, const glm::dvec2& low, const glm::dvec2& high, const Use& use) {
+void Grouper::for_cells(const glm::dvec2& low, const glm::dvec2& high, const Use& use) {
   const auto column = [&](double value) {
     return std::clamp(static_cast<int>(std::floor(value / cell_)) + kRowCells / 2, 0, kRowCells - 1);
   };
@@ -276,40 +296,57 @@ bool Grouper::keeps_apart(const Growth& growth, std::uint32_t polygon, const Out
   open_.clear();
   const double reach = limits_.separation;
   bool free = true;
-  for_cells(growth, outline.low - reach, outline.high + reach, [&](std::size_t cell) {
+  for_cells(outline.low - reach, outline.high + reach, [&](std::size_t cell) {
     if (!free) return;
     for (const std::uint32_t slot : cells_[cell]) {
-      if (seen_slot_[slot] == look_) continue;
-      seen_slot_[slot] = look_;
+      if (looks_[slot].seen == look_) continue;
+      looks_[slot].seen = look_;
       const Outline other = growth.outline(slot);
-      if (glm::any(glm::greaterThan(other.low, outline.high + reach)) ||
-          glm::any(glm::lessThan(other.high, outline.low - reach)))
-        continue;
-      if (overlap(outline, other)) {
+      const glm::dvec2 between = glm::max(other.low - outline.high, outline.low - other.high);
+      const double apart = std::max(between.x, between.y);
+      if (apart > reach) continue;
+      if (apart < 0 && overlap(outline, other)) {
         free = false;
         return;
       }
-      if (share_place(polygon, growth.members[slot]))
-        open_.push_back(growth.members[slot]);
-      else if (nearer_than(outline, other, reach))
-        near_.push_back(growth.members[slot]);
+      if (apart <= 0 && share_place(polygon, growth.members[slot])) {
+        open_.push_back(slot);
+      } else if (are_tiny(outline, other) || nearer_than(outline, other, reach)) {
+        looks_[slot].near = look_;
+        near_.push_back(slot);
+      }
     }
   });
   if (!free) return false;
-  // From the members that share a corner with it, through shared corners, to all that are near.
-  while (!open_.empty() && !near_.empty()) {
-    const std::uint32_t reached = open_.back();
+  if (near_.empty()) return true;
+  // From the members that share a corner with it to all that are near: through shared edges, which is quick, then
+  // through shared corners.
+  const auto reached = [&](std::uint32_t slot) { return looks_[slot].near != look_; };
+  while (!open_.empty()) {
+    const std::uint32_t from = growth.members[open_.back()];
+    passed_.push_back(open_.back());
     open_.pop_back();
-    const auto rest = std::stable_partition(near_.begin(), near_.end(),
-                                            [&](std::uint32_t other) { return !share_place(reached, other); });
-    open_.insert(open_.end(), rest, near_.end());
-    near_.erase(rest, near_.end());
+    for (std::uint32_t k = first_linked_[from]; k < first_linked_[from + 1]; ++k) {
+      if (state_[linked_[k]] != State::member || reached(slot_[linked_[k]])) continue;
+      looks_[slot_[linked_[k]]].near = 0;
+      open_.push_back(slot_[linked_[k]]);
+    }
+    if (!open_.empty()) continue;
+    std::erase_if(near_, reached);
+    for (const std::uint32_t slot : near_) {
+      if (std::none_of(passed_.begin(), passed_.end(),
+                       [&](std::uint32_t other) { return share_place(growth.members[slot], growth.members[other]); }))
+        continue;
+      looks_[slot].near = 0;
+      open_.push_back(slot);
+    }
   }
-  return near_.empty();
+  passed_.clear();
+  return std::all_of(near_.begin(), near_.end(), reached);
 }
 
 bool Grouper::try_add(Growth& growth, std::uint32_t polygon) {
-  if (glm::dot(model_.polygons()[polygon].normal, growth.axes.normal) < kLeastGroupCosine) return false;
+  if (glm::dot(model_.polygons()[polygon].normal, growth.axes.normal) < least_cosine_[polygon]) return false;
   candidate_.clear();
   glm::dvec2 low(std::numeric_limits<double>::infinity());
   glm::dvec2 high(-std::numeric_limits<double>::infinity());
@@ -341,8 +378,9 @@ bool Grouper::try_add(Growth& growth, std::uint32_t polygon) {
   growth.lows.push_back(low);
   growth.highs.push_back(high);
   growth.area += area;
-  if (seen_slot_.size() <= slot) seen_slot_.resize(slot + 1, 0);
-  for_cells(growth, low, high, [&](std::size_t cell) {
+  slot_[polygon] = slot;
+  if (looks_.size() <= slot) looks_.resize(slot + 1);
+  for_cells(low, high, [&](std::size_t cell) {
     if (cells_[cell].empty()) used_cells_.push_back(cell);
     cells_[cell].push_back(slot);
   });
@@ -431,7 +469,7 @@ std::vector<PolygonGroup> Grouper::run() {
     if (!free_[seed]) continue;
     const PolygonFrame own = polygon_frame(model_, seed);
     glm::dvec3 normal = normal_around(seed);
-    if (!(glm::dot(normal, model_.polygons()[seed].normal) >= kLeastGroupCosine))
+    if (!(glm::dot(normal, model_.polygons()[seed].normal) >= least_cosine_[seed]))
       normal = model_.polygons()[seed].normal;
     const auto axes_along = [](const glm::dvec3& n, const glm::dvec3& along) {
       const glm::dvec3 y = glm::normalize(along - glm::dot(along, n) * n);
@@ -443,7 +481,8 @@ std::vector<PolygonGroup> Grouper::run() {
       glm::dvec3 sum(0);
       for (const std::uint32_t member : growth.members) sum += areas_[member] * model_.polygons()[member].normal;
       const glm::dvec3 mean = glm::normalize(sum);
-      if (glm::dot(mean, model_.polygons()[seed].normal) >= kLeastGroupCosine) {
+      // (Far from the first normal, the box's axes could lie along the second.)
+      if (glm::dot(mean, model_.polygons()[seed].normal) >= least_cosine_[seed] && glm::dot(mean, normal) > 0.5) {
         const PolygonFrame frame = frame_of(growth);
         Growth again = grow(seed, axes_along(mean, frame.y_axis));
         if (again.area >= growth.area) growth = std::move(again);

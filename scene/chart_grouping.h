@@ -15,18 +15,23 @@ struct PolygonGroup {
 struct GroupingLimits {
   double texels_per_metre = 0;  ///< what "texels" means below, along both axes of a group's plane
   double max_texels = 0;        ///< longest side of a group's box
+  double gutter = 0;            ///< texels that are written beyond a group's outline
   double separation = 0;        ///< texels between members that do not hang together, see group_polygons()
 };
 
-/// Cosine of the largest angle between a member's normal and its group's. A member inclined by that much gets this
-/// share of the density along its slope.
+/// Cosine of the largest angle between a member's normal and its group's: 45 degrees. A member inclined by that much
+/// gets this share of the density along its slope. Larger polygons, which have less to gain, are held to smaller
+/// angles: none gives up more texels than a quarter of those that a gutter all round it would cost.
 extern const double kLeastGroupCosine;
+/// The same for polygons of fewer than 4 texels: alone, each would have a block of 256. 72 degrees.
+extern const double kLeastTinyCosine;
 
 /// Partitions the polygons, deterministically (no function is used whose rounding differs between machines); groups in
 /// the order of their first members. A polygon whose `may_group` is false stays alone; so does one that fits nowhere.
 /// The members of a group
 /// - belong to one part and are connected through shared edges (ends at equal places, opposite directions);
-/// - show their front to the group's plane, at an angle whose cosine is at least kLeastGroupCosine;
+/// - show their front to the group's plane, at an angle whose cosine is at least kLeastGroupCosine (tiny ones:
+/// kLeastTinyCosine);
 /// - do not overlap in projection, up to a thousandth of a texel;
 /// - keep apart: two members nearer to each other than `separation` are connected, through shared corners, by members
 ///   that are nearer than that to one of the two. (In a mesh finer than the separation, many are that near; what must

@@ -197,7 +197,7 @@ void Layouter::group(double separation) {
   std::vector<bool> may_group(count, options_.group_polygons);
   for (std::size_t i = 0; i < count; ++i)
     if (model_.polygons()[i].is_backdrop || model_.polygons()[i].texels_per_metre > 0) may_group[i] = false;
-  members_ = group_polygons(model_, may_group, {options_.texels_per_metre, max_texels, separation});
+  members_ = group_polygons(model_, may_group, {options_.texels_per_metre, max_texels, kChartGutter, separation});
 
   wishes_.clear();
   longest_ = longest_shared_ = 1;

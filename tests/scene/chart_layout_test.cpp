@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 
+#include "chart_invariants.h"
 #include "foreview/scene/errors.h"
 
 namespace foreview {
@@ -47,83 +48,6 @@ PolygonModel many_triangles(std::size_t count) {
   ImportOptions options;
   options.backdrop = false;
   return build_polygon_model(mesh, options);
-}
-
-void check_layout(const PolygonModel& model, const ChartLayout& layout) {
-  ASSERT_EQ(layout.charts.size(), model.polygons().size());
-  ASSERT_EQ(layout.outline.size(), model.corners().size());
-  const int blocks = layout.page_size / kChartAlignment;
-  std::vector<bool> taken(layout.pages * static_cast<std::size_t>(blocks) * static_cast<std::size_t>(blocks), false);
-  std::size_t overlaps = 0;
-  std::size_t outside = 0;
-  std::size_t misaligned = 0;
-  std::size_t wrong_size = 0;
-  for (const ChartGroup& group : layout.groups) {
-    for (int axis = 0; axis < 2; ++axis) {
-      misaligned += group.origin[axis] % kChartAlignment + group.size[axis] % kChartAlignment;
-      outside += group.origin[axis] < 0 || group.origin[axis] + group.size[axis] > layout.page_size ? 1 : 0;
-      const int least = group.inner[axis] + 2 * kChartGutter;
-      wrong_size += group.inner[axis] < 1 || group.size[axis] < least || group.size[axis] >= least + kChartAlignment;
-    }
-    ASSERT_LT(group.page, layout.pages);
-    if (outside > 0) continue;
-    for (int y = group.origin.y; y < group.origin.y + group.size.y; y += kChartAlignment) {
-      for (int x = group.origin.x; x < group.origin.x + group.size.x; x += kChartAlignment) {
-        const std::size_t cell =
-            (group.page * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(y / kChartAlignment)) *
-                static_cast<std::size_t>(blocks) +
-            static_cast<std::size_t>(x / kChartAlignment);
-        overlaps += taken[cell] ? 1 : 0;
-        taken[cell] = true;
-      }
-    }
-  }
-  EXPECT_EQ(overlaps, 0U);
-  EXPECT_EQ(outside, 0U);
-  EXPECT_EQ(misaligned, 0U);
-  EXPECT_EQ(wrong_size, 0U);
-  EXPECT_EQ(layout.allocated_texels,
-            std::size_t{layout.pages} * static_cast<std::size_t>(layout.page_size) * layout.page_size);
-
-  // Every polygon is in one group, and agrees with it.
-  std::vector<std::uint32_t> members = layout.members;
-  std::sort(members.begin(), members.end());
-  ASSERT_EQ(members.size(), model.polygons().size());
-  std::size_t corners_outside = 0;
-  std::size_t wrong_maps = 0;
-  std::size_t next_member = 0;
-  for (std::uint32_t g = 0; g < layout.groups.size(); ++g) {
-    const ChartGroup& group = layout.groups[g];
-    ASSERT_EQ(group.first_member, next_member);
-    next_member += group.member_count;
-    const auto own = layout.members_of(group);
-    ASSERT_GE(own.size(), 1U);
-    EXPECT_TRUE(std::is_sorted(own.begin(), own.end()));
-    for (const std::uint32_t i : own) {
-      ASSERT_EQ(members[i], i);
-      const Chart& chart = layout.charts[i];
-      ASSERT_EQ(chart.group, g);
-      ASSERT_EQ(chart.page, group.page);
-      ASSERT_EQ(chart.origin, group.origin);
-      ASSERT_EQ(chart.size, group.size);
-      ASSERT_EQ(chart.inner, group.inner);
-      for (const std::uint32_t corner : model.corners_of(i)) {
-        const glm::dvec2 t = chart.texel_from_part(model.vertices()[corner]) - glm::dvec2(chart.origin);
-        for (int axis = 0; axis < 2; ++axis)
-          corners_outside += t[axis] < kGutter - 1e-6 || t[axis] > kGutter + chart.inner[axis] + 1e-5 ? 1 : 0;
-      }
-      // Inverse of each other on the polygon's plane, anywhere in the block; and finite.
-      for (const glm::dvec2& at : {glm::dvec2(0.5), glm::dvec2(chart.size) - 0.5, glm::dvec2(3.25, 7.75)}) {
-        const glm::dvec2 texel = glm::dvec2(chart.origin) + at;
-        const glm::dvec3 p = chart.part_from_texel(texel);
-        const double off_plane = std::abs(glm::dot(model.polygons()[i].normal, p) - model.polygons()[i].offset);
-        wrong_maps += glm::distance(chart.texel_from_part(p), texel) < 1e-5 && off_plane < 1e-9 ? 0 : 1;
-      }
-    }
-  }
-  EXPECT_EQ(next_member, model.polygons().size());
-  EXPECT_EQ(corners_outside, 0U);
-  EXPECT_EQ(wrong_maps, 0U);
 }
 
 TEST(ChartLayoutTest, GivesARectangleItsTexelsAndAGutter) {
