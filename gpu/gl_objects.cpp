@@ -94,6 +94,43 @@ GlFramebuffer checked(GlFramebuffer framebuffer, GLuint color_texture) {
 
 }  // namespace
 
+namespace {
+
+/// Whether the fence passed within the time.
+bool wait_for(GLsync sync, GLuint64 nanoseconds) {
+  const GLenum result = glClientWaitSync(sync, 0, nanoseconds);
+  if (result == GL_WAIT_FAILED) throw GraphicsError("the graphics driver refuses to wait for a fence");
+  return result != GL_TIMEOUT_EXPIRED;
+}
+
+}  // namespace
+
+GlFence GlFence::insert() {
+  GlFence fence;
+  fence.sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  if (fence.sync_ == nullptr) throw GraphicsError("the graphics driver gives no fence");
+  ++gl_detail::live_objects;
+  glFlush();
+  return fence;
+}
+
+bool GlFence::has_passed() const {
+  return wait_for(sync_, 0);
+}
+
+void GlFence::wait() const {
+  constexpr GLuint64 kTenthOfASecond = 100'000'000;
+  while (!wait_for(sync_, kTenthOfASecond)) {
+  }
+}
+
+void GlFence::reset() {
+  if (sync_ == nullptr) return;
+  glDeleteSync(sync_);
+  sync_ = nullptr;
+  --gl_detail::live_objects;
+}
+
 GlTexture make_texture_2d(GLenum internal_format, int width, int height, int levels) {
   GLuint id = 0;
   glCreateTextures(GL_TEXTURE_2D, 1, &id);

@@ -100,6 +100,34 @@ using GlOcclusionQuery = GlObject<gl_detail::create_query, gl_detail::delete_que
 using GlTexture = GlObject<gl_detail::no_create, gl_detail::delete_texture>;
 using GlProgram = GlObject<gl_detail::no_create, gl_detail::delete_program>;
 
+/// Owns a fence: a mark in the current context's stream of commands. Movable, not copyable; destroyed with a context of
+/// its share group current, which need not be the one that made it. Counts as a live object.
+class GlFence {
+ public:
+  GlFence() = default;
+  ~GlFence() { reset(); }
+  GlFence(GlFence&& other) noexcept : sync_(std::exchange(other.sync_, nullptr)) {}
+  GlFence& operator=(GlFence&& other) noexcept {
+    if (this != &other) {
+      reset();
+      sync_ = std::exchange(other.sync_, nullptr);
+    }
+    return *this;
+  }
+  GlFence(const GlFence&) = delete;
+  GlFence& operator=(const GlFence&) = delete;
+  /// Behind all commands issued so far, and flushes them: without that another context might never see it pass.
+  [[nodiscard]] static GlFence insert();
+  /// Never waits. Only of a fence that was inserted.
+  [[nodiscard]] bool has_passed() const;
+  /// Until it has passed.
+  void wait() const;
+
+ private:
+  void reset();
+  GLsync sync_ = nullptr;
+};
+
 /// Textures with immutable storage. Filtering nearest, clamped to the edge.
 [[nodiscard]] GlTexture make_texture_2d(GLenum internal_format, int width, int height, int levels = 1);
 [[nodiscard]] GlTexture make_texture_2d_array(GLenum internal_format, int width, int height, int layers,

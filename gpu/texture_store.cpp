@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstddef>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -17,7 +18,12 @@ static_assert(sizeof(TextureStore::PolygonState) == 16, "a vec4 in std430");
 
 namespace {
 
-constexpr unsigned kPassesPerCheck = 16;
+/// Passes of spreading whose dispatch commands are in the buffer at once.
+constexpr unsigned kPassesPerRound = 16;
+/// As glDispatchComputeIndirect() reads it.
+struct DispatchCommand {
+  GLuint x = 0, y = 1, z = 1;
+};
 /// Fewest that GL guarantees along an axis of a dispatch is 65535.
 constexpr std::size_t kGroupsPerRow = 1024, kGroupsPerDispatch = kGroupsPerRow * 1024;
 
@@ -28,6 +34,11 @@ GlBuffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags) {
   glNamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, sizeof kNothing)),
                        bytes == 0 ? &kNothing : data, flags);
   return buffer;
+}
+
+/// Workgroups of 64 for one invocation per polygon.
+GLuint groups_of(std::size_t polygons) {
+  return static_cast<GLuint>((polygons + 63) / 64);
 }
 
 std::uint32_t pack_block(int column, int row, std::uint32_t page) {
@@ -60,29 +71,21 @@ struct TextureStore::Tools {
   GlProgram spread_begin = make_compute_program("spread_begin.comp.glsl");
   GlProgram spread_pass = make_compute_program("spread_pass.comp.glsl");
   GlProgram spread_end = make_compute_program("spread_end.comp.glsl");
-  GlBuffer blocks, first_neighbour, neighbours, rims, changed;
+  GlBuffer blocks, first_neighbour, neighbours, rims;
+  GlBuffer first_commands;  ///< what `commands` begin as: the first pass for all polygons, no other pass
+  GlBuffer commands;        ///< of the passes of a round, and of the first pass of the next
   std::vector<std::uint32_t> block_list, group_list;
 };
 
-TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout) : model_(model), layout_(std::move(layout)) {
+TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing)
+    : model_(model), layout_(std::move(layout)) {
   const std::size_t polygons = model_.polygons().size();
   assert(layout_.charts.size() == polygons);
   assert(layout_.page_size % kChartAlignment == 0 && layout_.pages > 0);
   check_limits(layout_);
 
-  while (glGetError() != GL_NO_ERROR) {
-  }
-  pages_ = make_texture_2d_array(GL_RGBA8, layout_.page_size, layout_.page_size, static_cast<int>(layout_.pages),
-                                 kChartLevels);
-  if (glGetError() == GL_OUT_OF_MEMORY) {
-    throw GraphicsError("the graphics memory does not hold " + std::to_string(layout_.memory_bytes >> 20) +
-                        " MiB of texture pages; use a lower density (--density)");
-  }
-  glTextureParameteri(pages_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glTextureParameteri(pages_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-
+  sets_ = std::make_unique<TextureSets>(layout_, polygons, publishing);
   tools_ = std::make_unique<Tools>();
-  polygon_states_ = make_buffer(nullptr, polygons * sizeof(PolygonState), GL_DYNAMIC_STORAGE_BIT);
   std::size_t blocks = 0;
   assert(layout_.members.size() == polygons && layout_.outline.size() == model_.corners().size());
   for (const ChartGroup& chart : layout_.groups) {
@@ -105,21 +108,48 @@ TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout) : mode
   tools_->first_neighbour = make_buffer(first.data(), first.size() * sizeof(std::uint32_t), 0);
   tools_->neighbours = make_buffer(neighbours.data(), neighbours.size() * sizeof(std::uint32_t), 0);
   tools_->rims = make_buffer(nullptr, polygons * sizeof(std::uint32_t), 0);
-  tools_->changed = make_buffer(nullptr, (polygons + kPassesPerCheck + 1) * sizeof(std::uint32_t), 0);
-  clear();
+  std::array<DispatchCommand, kPassesPerRound + 1> commands;
+  commands[0].x = groups_of(polygons);
+  tools_->first_commands = make_buffer(commands.data(), sizeof commands, 0);
+  tools_->commands = make_buffer(commands.data(), sizeof commands, 0);
 }
 
 TextureStore::~TextureStore() = default;
 
-void TextureStore::clear() {
-  for (int level = 0; level < kChartLevels; ++level) {
-    glClearTexImage(pages_.id(), level, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+bool TextureStore::begin_picture() {
+  return sets_->begin(TextureSets::Begin::update);
+}
+
+void TextureStore::wait_for_free_set() {
+  sets_->wait_for_free_set();
+}
+
+void TextureStore::end_picture(const std::vector<std::uint32_t>& touched_polygons) {
+  sets_->end(touched_polygons, true);
+}
+
+template <class Write>
+void TextureStore::publish(TextureSets::Begin how, const Write& write) {
+  const bool inside_a_picture = sets_->is_writing();
+  if (!inside_a_picture) {
+    sets_->wait_for_free_set();
+    // What is free stays so until it is begun: the display takes nothing but the newest complete set.
+    [[maybe_unused]] const bool begun = sets_->begin(how);
+    assert(begun);
   }
-  const PolygonState unseen{0.5F, 0.5F, 0.5F, 0.0F};
-  glClearNamedBufferData(polygon_states_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, &unseen);
+  write();
+  if (!inside_a_picture) sets_->end({}, false);
+}
+
+void TextureStore::clear() {
+  publish(TextureSets::Begin::replace, [&] {
+    sets_->touch_all();
+    sets_->clear();
+  });
 }
 
 void TextureStore::update_levels(const std::vector<std::uint32_t>& polygons) {
+  assert(sets_->is_writing() || sets_->publishing() == Publishing::direct);
   std::vector<std::uint32_t>& blocks = tools_->block_list;
   blocks.clear();
   std::vector<std::uint32_t>& groups = tools_->group_list;
@@ -139,11 +169,11 @@ void TextureStore::update_levels(const std::vector<std::uint32_t>& polygons) {
                        blocks.data());
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
   glUseProgram(tools_->levels.id());
-  glBindTextureUnit(0, pages_.id());
+  glBindTextureUnit(0, pages());
   glBindSampler(0, 0);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tools_->blocks.id());
   for (int level = 1; level < kChartLevels; ++level) {
-    glBindImageTexture(static_cast<GLuint>(level - 1), pages_.id(), level, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
+    glBindImageTexture(static_cast<GLuint>(level - 1), pages(), level, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
   }
   for (std::size_t first = 0; first < blocks.size(); first += kGroupsPerDispatch) {
     const std::size_t count = std::min(kGroupsPerDispatch, blocks.size() - first);
@@ -158,39 +188,56 @@ void TextureStore::update_levels(const std::vector<std::uint32_t>& polygons) {
 }
 
 void TextureStore::spread_to_never_seen() {
-  const auto polygons = static_cast<GLuint>(model_.polygons().size());
-  const GLuint groups = (polygons + 63) / 64;
-  const std::array<GLuint, 5> buffers{polygon_states_.id(), tools_->first_neighbour.id(), tools_->neighbours.id(),
-                                      tools_->rims.id(), tools_->changed.id()};
+  spread(static_cast<unsigned>(model_.polygons().size()), true);
+}
+
+void TextureStore::spread_to_never_seen(unsigned max_rims) {
+  spread(max_rims, false);
+}
+
+void TextureStore::spread(unsigned max_rims, bool may_wait) {
+  publish(TextureSets::Begin::update, [&] { spread_in_current_set(max_rims, may_wait); });
+}
+
+void TextureStore::spread_in_current_set(unsigned max_rims, bool may_wait) {
+  const std::size_t polygons = model_.polygons().size();
+  const std::array<GLuint, 5> buffers{polygon_states(), tools_->first_neighbour.id(), tools_->neighbours.id(),
+                                      tools_->rims.id(), tools_->commands.id()};
   for (GLuint i = 0; i < buffers.size(); ++i) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]);
-  glClearNamedBufferData(tools_->changed.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, tools_->commands.id());
 
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glUseProgram(tools_->spread_begin.id());
-  glUniform1ui(0, polygons);
+  glUniform1ui(0, static_cast<GLuint>(polygons));
   count_draw();
-  glDispatchCompute(groups, 1, 1);
+  glDispatchCompute(groups_of(polygons), 1, 1);
 
   glUseProgram(tools_->spread_pass.id());
-  glUniform1ui(0, polygons);
-  // Every pass but the last colours at least one polygon, so there are never more passes than polygons.
-  for (GLuint pass = 1; pass <= polygons; ++pass) {
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glUniform1ui(1, pass);
-    count_draw();
-    glDispatchCompute(groups, 1, 1);
-    if (pass % kPassesPerCheck == 0) {
-      glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-      GLuint changed = 0;
-      glGetNamedBufferSubData(tools_->changed.id(), static_cast<GLintptr>(pass * sizeof changed), sizeof changed,
-                              &changed);
-      if (changed == 0) break;
+  glUniform1ui(0, static_cast<GLuint>(polygons));
+  for (unsigned done = 0; done < max_rims;) {
+    glCopyNamedBufferSubData(tools_->first_commands.id(), tools_->commands.id(), 0, 0,
+                             (kPassesPerRound + 1) * sizeof(DispatchCommand));
+    const unsigned passes = std::min(kPassesPerRound, max_rims - done);
+    for (unsigned pass = 0; pass < passes; ++pass) {
+      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+      glUniform1ui(1, done + pass + 1);
+      glUniform1ui(2, pass + 1);
+      count_draw();
+      glDispatchComputeIndirect(static_cast<GLintptr>(pass * sizeof(DispatchCommand)));
+    }
+    done += passes;
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    if (may_wait) {
+      DispatchCommand next;
+      glGetNamedBufferSubData(tools_->commands.id(), static_cast<GLintptr>(passes * sizeof next), sizeof next, &next);
+      if (next.x == 0) break;
     }
   }
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
 
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glUseProgram(tools_->spread_end.id());
-  glUniform1ui(0, polygons);
+  glUniform1ui(0, static_cast<GLuint>(polygons));
   count_draw();
   glDispatchCompute(1, 1, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -198,38 +245,41 @@ void TextureStore::spread_to_never_seen() {
 
 std::vector<cv::Mat> TextureStore::read_pages() const {
   glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
-  std::vector<cv::Mat> pages;
+  std::vector<cv::Mat> result;
   for (std::uint32_t page = 0; page < layout_.pages; ++page) {
-    cv::Mat& picture = pages.emplace_back(layout_.page_size, layout_.page_size, CV_8UC4);
-    glGetTextureSubImage(pages_.id(), 0, 0, 0, static_cast<GLint>(page), layout_.page_size, layout_.page_size, 1,
-                         GL_BGRA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(picture.total() * 4), picture.data);
+    cv::Mat& picture = result.emplace_back(layout_.page_size, layout_.page_size, CV_8UC4);
+    glGetTextureSubImage(pages(), 0, 0, 0, static_cast<GLint>(page), layout_.page_size, layout_.page_size, 1, GL_BGRA,
+                         GL_UNSIGNED_BYTE, static_cast<GLsizei>(picture.total() * 4), picture.data);
   }
-  return pages;
+  return result;
 }
 
 std::vector<TextureStore::PolygonState> TextureStore::read_polygon_states() const {
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   std::vector<PolygonState> states(model_.polygons().size());
-  glGetNamedBufferSubData(polygon_states_.id(), 0, static_cast<GLsizeiptr>(states.size() * sizeof(PolygonState)),
+  glGetNamedBufferSubData(polygon_states(), 0, static_cast<GLsizeiptr>(states.size() * sizeof(PolygonState)),
                           states.data());
   return states;
 }
 
-void TextureStore::write_pages(const std::vector<cv::Mat>& pages, const std::vector<PolygonState>& states) {
-  assert(pages.size() == layout_.pages && states.size() == model_.polygons().size());
-  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  for (std::uint32_t page = 0; page < layout_.pages; ++page) {
-    const cv::Mat& picture = pages[page];
-    assert(picture.type() == CV_8UC4 && picture.isContinuous());
-    assert(picture.rows == layout_.page_size && picture.cols == layout_.page_size);
-    glTextureSubImage3D(pages_.id(), 0, 0, 0, static_cast<GLint>(page), layout_.page_size, layout_.page_size, 1,
-                        GL_BGRA, GL_UNSIGNED_BYTE, picture.data);
-  }
-  glNamedBufferSubData(polygon_states_.id(), 0, static_cast<GLsizeiptr>(states.size() * sizeof(PolygonState)),
-                       states.data());
-  std::vector<std::uint32_t> all(model_.polygons().size());
-  std::iota(all.begin(), all.end(), 0U);
-  update_levels(all);
+void TextureStore::write_pages(const std::vector<cv::Mat>& new_pages, const std::vector<PolygonState>& states) {
+  assert(new_pages.size() == layout_.pages && states.size() == model_.polygons().size());
+  publish(TextureSets::Begin::replace, [&] {
+    sets_->touch_all();
+    glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    for (std::uint32_t page = 0; page < layout_.pages; ++page) {
+      const cv::Mat& picture = new_pages[page];
+      assert(picture.type() == CV_8UC4 && picture.isContinuous());
+      assert(picture.rows == layout_.page_size && picture.cols == layout_.page_size);
+      glTextureSubImage3D(pages(), 0, 0, 0, static_cast<GLint>(page), layout_.page_size, layout_.page_size, 1, GL_BGRA,
+                          GL_UNSIGNED_BYTE, picture.data);
+    }
+    glNamedBufferSubData(polygon_states(), 0, static_cast<GLsizeiptr>(states.size() * sizeof(PolygonState)),
+                         states.data());
+    std::vector<std::uint32_t> all(model_.polygons().size());
+    std::iota(all.begin(), all.end(), 0U);
+    update_levels(all);
+  });
 }
 
 std::size_t TextureStore::count_observed_texels() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "foreview/gpu/gl_objects.h"
+#include "foreview/gpu/texture_sets.h"
 #include "foreview/scene/chart_layout.h"
 #include "foreview/scene/polygon_model.h"
 
@@ -15,30 +16,74 @@ namespace foreview {
 /// kChartLevels mip levels. Level 0: colour and provenance (alpha 1 observed, 0 filled or nothing); levels above: the
 /// mean of the *filled* level 0's colours, and in alpha the mean of level 0's alpha.
 /// Beside it, one state per polygon in a buffer: mean colour and whether a picture has ever shown it.
+///
+/// With Publishing::buffered all this exists three times, so that a picture's textures appear at once and nobody waits:
+/// extraction writes one set between begin_picture() and end_picture(), the display reads another one between acquire()
+/// and release(). Each side may have a thread of its own, with a context of its own that shares objects with the other.
+/// All members but acquire() and release() are extraction's; construction and destruction must not overlap with either.
 class TextureStore {
  public:
-  /// Needs a current context, as do all members. Allocates once; nothing is created or deleted until destruction. Holds
-  /// copies of `model` and `layout`. Begins as after clear(). Throws InputError if the driver's limits do not allow the
-  /// layout, GraphicsError if it has not the memory.
-  TextureStore(const PolygonModel& model, ChartLayout layout);
+  /// Needs a current context, as do all members. Allocates once; nothing but fences is created or deleted until
+  /// destruction. Holds copies of `model` and `layout`. Begins as after clear(). With `buffered` it takes some
+  /// milliseconds to find out how charts are best copied here. Throws InputError if the driver's limits do not allow
+  /// the layout, GraphicsError if it has not the memory.
+  TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing = Publishing::direct);
   ~TextureStore();
   TextureStore(const TextureStore&) = delete;
   TextureStore& operator=(const TextureStore&) = delete;
 
   [[nodiscard]] const ChartLayout& layout() const { return layout_; }
   [[nodiscard]] const PolygonModel& model() const { return model_; }
+  /// Of all sets, pages with levels and states. A budget for it is divided by set_count() for lay_out_charts().
+  [[nodiscard]] std::size_t memory_bytes() const { return sets_->memory_bytes(); }
+
+  // Extraction's view: the set being written, else the newest, complete or not. So do all members that read or write.
+
   /// GL_TEXTURE_2D_ARRAY, RGBA8, kChartLevels levels, page_size x page_size x pages; filter trilinear, clamped.
-  [[nodiscard]] GLuint pages() const { return pages_.id(); }
+  [[nodiscard]] GLuint pages() const { return sets_->pages(); }
   /// GL_SHADER_STORAGE_BUFFER of one PolygonState per polygon (std430).
   struct PolygonState {
     float red = 0, green = 0, blue = 0;  ///< mean colour of what was observed, 0..1; or the neighbours', if never seen
     float seen = 0;                      ///< 1 once any texel was observed, else 0; 0.5: colour spread from neighbours
   };
-  [[nodiscard]] GLuint polygon_states() const { return polygon_states_.id(); }
+  [[nodiscard]] GLuint polygon_states() const { return sets_->polygon_states(); }
 
-  // The members below that compute do so on the GPU, without waiting for it where not said otherwise, and change the
-  // current context's program, and its bindings of the first few texture and image units and shader storage buffers.
-  // They issue the memory barriers that writers before and readers after them need.
+  /// Chooses a free set and brings it up to what the newest one holds (it copies what changed since the set was last
+  /// written); from here to end_picture() it is the set that pages() means. False, and nothing done, if there is none
+  /// free: the display still reads both sets that are not the newest, or extraction is two pictures ahead of the GPU.
+  /// Try later, or wait_for_free_set(). Waits for nothing. With `direct`: true.
+  [[nodiscard]] bool begin_picture();
+  /// Until begin_picture() would be true: for the GPU, and a display's frames in flight, not for a display that has
+  /// acquired and not yet released.
+  void wait_for_free_set();
+  /// Hands the picture over, with a fence and a flush: the display takes it once the GPU has carried it out. `touched`
+  /// must name all polygons whose charts were written (in any order, also twice). Shaders' writes of charts and states
+  /// must have barriers behind them, for buffer updates too, as update_levels() and spread_to_never_seen() leave them.
+  /// (None is issued here: a software rasteriser takes any barrier for a reason to finish all drawing, the display's
+  /// too.)
+  void end_picture(const std::vector<std::uint32_t>& touched_polygons);
+  /// How begin_picture() copies, with `buffered`: for tests and measurements. The result is the same, bit by bit.
+  void set_copy_method(PageCopier::Method method) { sets_->copier().set_method(method); }
+  [[nodiscard]] PageCopier::Method copy_method() const { return sets_->copier().method(); }
+  /// Calls of end_picture() so far.
+  [[nodiscard]] std::uint64_t pictures_ended() const { return sets_->pictures_ended(); }
+
+  /// The display's side. `picture`: pictures_ended() of what is shown; 0 before the first one.
+  using Shown = TextureSets::Shown;
+  /// What to draw a frame with: the newest picture that the GPU has carried out. Never waits. The pages and states must
+  /// be bound anew after each acquire(), even if they are the same as before: else GL does not promise to show what
+  /// another context wrote. Calls may nest: an inner one gives what the outermost gave, so that all views of a frame
+  /// show the same picture.
+  Shown acquire() const { return sets_->acquire(); }
+  /// After the frame's commands were issued: flushes them, with a fence behind which the set is free again. All frames
+  /// come from one context.
+  void release() const { sets_->release(); }
+
+  // Members that compute do so on the GPU, without waiting for it where not said otherwise, and change the current
+  // context's program, and its bindings of the first few texture and image units and shader storage buffers. They issue
+  // the memory barriers that writers before and readers after them need.
+  // With `buffered`, the members below that write textures or states either do so as part of a picture that was begun,
+  // or publish what they write themselves (and then wait for a free set); update_levels() is only for the former.
 
   /// Rebuilds levels 1.. of the blocks of the given polygons' groups from level 0, never across blocks; all in one
   /// dispatch. The colour of a level's texel is the mean of all level 0 texels under it, and so is its alpha.
@@ -48,6 +93,10 @@ class TextureStore {
   /// Reads polygon_states (seen == 1 as sources) and writes the others: the mean of the neighbours coloured so far, and
   /// seen = 0.5. Without any seen polygon: mid grey, seen = 0. Waits for the GPU once every 16 rims.
   void spread_to_never_seen();
+  /// The same, for every picture: at most `max_rims` rims deep, and the rest takes the mean of all seen, too. Depends
+  /// on the seen polygons' states only. No read-back and no wait; costs a pass for each rim that there is.
+  void spread_to_never_seen(unsigned max_rims);
+  static constexpr unsigned kRimsPerPicture = 16;
   /// Nothing seen: all texels transparent black, all polygons mid grey.
   void clear();
 
@@ -60,10 +109,14 @@ class TextureStore {
   [[nodiscard]] std::size_t count_observed_texels() const;
 
  private:
+  template <class Write>
+  void publish(TextureSets::Begin how, const Write& write);
+  void spread(unsigned max_rims, bool may_wait);
+  void spread_in_current_set(unsigned max_rims, bool may_wait);
+
   PolygonModel model_;
   ChartLayout layout_;
-  GlTexture pages_;
-  GlBuffer polygon_states_;
+  std::unique_ptr<TextureSets> sets_;
   struct Tools;
   std::unique_ptr<Tools> tools_;
 };

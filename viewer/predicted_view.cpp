@@ -150,8 +150,9 @@ struct PredictedView::State {
     glBindVertexArray(vao.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPartsBinding, parts.id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kChartsBinding, charts.id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPolygonStatesBinding, store.polygon_states());
-    glBindTextureUnit(kPagesUnit, store.pages());
+    const TextureStore::Shown shown = store.acquire();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPolygonStatesBinding, shown.polygon_states);
+    glBindTextureUnit(kPagesUnit, shown.pages);
     glBindSampler(kPagesUnit, sampler.id());
   }
 
@@ -161,7 +162,8 @@ struct PredictedView::State {
     glClear(GL_DEPTH_BUFFER_BIT | (colour ? GL_COLOR_BUFFER_BIT : 0U));
   }
 
-  static void end() {
+  void end() const {
+    store.release();
     glBindSampler(kPagesUnit, 0);
     glBindVertexArray(0);
     glUseProgram(0);

@@ -1,6 +1,7 @@
 #include "foreview/gpu/per_polygon/per_polygon_extraction.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -128,6 +129,10 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   const GLuint undistorted = s.undistorter.texture();
   const bool suppressing = s.options.artefacts != ArtefactSuppression::none && s.options.passes > 0;
   std::vector<std::uint32_t> touched;
+  s.store.wait_for_free_set();
+  [[maybe_unused]] const bool begun = s.store.begin_picture();
+  assert(begun);
+  clock.lap(ExtractionStep::publishing);
   for (std::size_t slot = 0; slot < visible.size(); ++slot) {
     const auto& [polygon, box, shorter_side, has_outline] = visible[slot];
     if (suppressing && !s.is_suppressed(slot)) ++statistics.polygons_exempt_small;
@@ -153,8 +158,11 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   if (!touched.empty()) {
     s.store.update_levels(touched);
-    s.store.spread_to_never_seen();
+    s.store.spread_to_never_seen(TextureStore::kRimsPerPicture);
   }
+  clock.lap(ExtractionStep::other);
+  s.store.end_picture(touched);
+  clock.lap(ExtractionStep::publishing);
   statistics.charts_touched = touched.size();
   statistics.draw_calls = draw_tally().draw_calls - tally_before.draw_calls;
   statistics.passes = draw_tally().passes - tally_before.passes;

@@ -6,9 +6,10 @@ layout(binding = 1, std430) readonly buffer FirstNeighbour { uint first_neighbou
 layout(binding = 2, std430) readonly buffer Neighbours { uint neighbours[]; };
 // The pass after which a polygon's colour may be used; NOT_YET: it has none.
 layout(binding = 3, std430) buffer Rims { uint rims[]; };
-// Polygons coloured by each pass.
-layout(binding = 4, std430) buffer Changed { uint changed[]; };
+// Dispatch commands, x, y, z each: of a round's passes and of the pass behind them.
+layout(binding = 4, std430) buffer Commands { uint commands[]; };
 layout(location = 0) uniform uint polygon_count;
 layout(location = 1) uniform uint pass_index;
+layout(location = 2) uniform uint next_command;
 
 const uint NOT_YET = 0xffffffffu;

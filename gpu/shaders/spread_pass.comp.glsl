@@ -1,12 +1,11 @@
 #version 450 core
 // Pass k = pass_index >= 1 colours the polygons that touch one coloured before it. A neighbour that this very pass
-// colours has rim k and is not read, so the result does not depend on the order of invocations.
+// colours has rim k and is not read, so the result does not depend on the order of invocations. The next pass has work only where this one coloured something.
 #include "spread_common.glsl"
 
 void main() {
   uint polygon = gl_GlobalInvocationID.x;
   if (polygon >= polygon_count) return;
-  if (pass_index > 1u && changed[pass_index - 1u] == 0u) return;
   if (rims[polygon] != NOT_YET) return;
   vec3 sum = vec3(0);
   float count = 0.0;
@@ -19,5 +18,5 @@ void main() {
   if (count == 0.0) return;
   states[polygon] = vec4(sum / count, 0.5);
   rims[polygon] = pass_index;
-  atomicAdd(changed[pass_index], 1u);
+  commands[3u * next_command] = gl_NumWorkGroups.x;
 }

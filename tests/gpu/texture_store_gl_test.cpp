@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <numeric>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <random>
 
 #include "gpu/gl_test_fixture.h"
@@ -185,13 +186,17 @@ class Spread : public GlTest {
  protected:
   /// `seen`: polygon and its grey value; the others get a wrong colour that must not survive.
   static std::vector<State> spread(const std::vector<int>& rows, const std::vector<std::pair<std::size_t, float>>& seen,
-                                   float stale = 0.0F) {
+                                   float stale = 0.0F, std::optional<unsigned> max_rims = std::nullopt) {
     const PolygonModel model = rows_of_quads(rows);
     TextureStore store(model, tight_layout(model, {{16, 16}}, 512));
     std::vector<State> states(model.polygons().size(), State{0.9F, 0.1F, 0.9F, stale});
     for (const auto& [polygon, grey] : seen) states[polygon] = {grey, grey / 2, grey / 4, 1.0F};
     store.write_pages(blank_pages(store.layout()), states);
-    store.spread_to_never_seen();
+    if (max_rims) {
+      store.spread_to_never_seen(*max_rims);
+    } else {
+      store.spread_to_never_seen();
+    }
     return store.read_polygon_states();
   }
 };
@@ -226,6 +231,26 @@ TEST_F(Spread, GivesIslandsTheMeanOfAllSeen) {
     EXPECT_NEAR(states[i].red, 0.3F, 1e-6);
     EXPECT_NEAR(states[i].blue, 0.075F, 1e-6);
     EXPECT_EQ(states[i].seen, 0.5F);
+  }
+}
+
+TEST_F(Spread, GoesNoDeeperThanAskedAndGivesTheRestTheMean) {
+  for (const unsigned rims : {0U, 1U, 5U, 16U, 17U, 40U}) {
+    const std::vector<State> states = spread({100}, {{0, 0.25F}, {99, 0.75F}}, 0.5F, rims);
+    for (std::size_t i = 0; i < 100; ++i) {
+      const float expected = i <= rims ? 0.25F : i >= 99 - rims ? 0.75F : 0.5F;
+      ASSERT_EQ(states[i].red, expected) << i << " with " << rims;
+      ASSERT_EQ(states[i].seen, i == 0 || i == 99 ? 1.0F : 0.5F) << i << " with " << rims;
+    }
+  }
+}
+
+TEST_F(Spread, IsTheSameAsTheWaitingFormWhereItReachesAll) {
+  const std::vector<std::pair<std::size_t, float>> seen{{3, 0.1F}, {17, 0.9F}, {40, 0.3F}, {41, 0.6F}};
+  const std::vector<State> exact = spread({30, 20, 4}, seen), bounded = spread({30, 20, 4}, seen, 0.5F, 16);
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_EQ(bounded[i].red, exact[i].red) << i;
+    EXPECT_EQ(bounded[i].seen, exact[i].seen) << i;
   }
 }
 

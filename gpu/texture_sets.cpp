@@ -1,0 +1,227 @@
+#include "foreview/gpu/texture_sets.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <string>
+#include <utility>
+
+#include "foreview/scene/errors.h"
+
+namespace foreview {
+
+TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing)
+    : layout_(layout), polygons_(polygons), publishing_(publishing), sets_(set_count(publishing)) {
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  for (Set& set : sets_) {
+    set.pages = make_texture_2d_array(GL_RGBA8, layout_.page_size, layout_.page_size, static_cast<int>(layout_.pages),
+                                      kChartLevels);
+    if (glGetError() == GL_OUT_OF_MEMORY) {
+      throw GraphicsError("the graphics memory does not hold " +
+                          std::to_string(sets_.size() * layout_.memory_bytes >> 20) +
+                          " MiB of texture pages; use a lower density (--density)");
+    }
+    glTextureParameteri(set.pages.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(set.pages.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    set.polygon_states = GlBuffer::create();
+    glNamedBufferStorage(set.polygon_states.id(), static_cast<GLsizeiptr>(polygons * 4 * sizeof(float)), nullptr,
+                         GL_DYNAMIC_STORAGE_BIT);
+    clear(set);
+  }
+  // The first set is what there is to show before the first picture; the others are free.
+  sets_[0].turn = 1;
+  sets_[0].complete = true;
+  if (publishing_ == Publishing::direct) return;
+
+  std::vector<GLuint> pages;
+  for (Set& set : sets_) {
+    set.is_stale.resize(layout_.groups.size());
+    set.stale.reserve(layout_.groups.size());
+    pages.push_back(set.pages.id());
+  }
+  copier_ = std::make_unique<PageCopier>(layout_, std::move(pages));
+  copier_->choose_method(0, 1);
+  // The display may look at the first set before any fence.
+  glFinish();
+}
+
+TextureSets::~TextureSets() = default;
+
+std::size_t TextureSets::memory_bytes() const {
+  return sets_.size() * (layout_.memory_bytes + polygons_ * 4 * sizeof(float));
+}
+
+void TextureSets::clear(const Set& set) {
+  for (int level = 0; level < kChartLevels; ++level) {
+    glClearTexImage(set.pages.id(), level, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  }
+  constexpr std::array<float, 4> kUnseen{0.5F, 0.5F, 0.5F, 0.0F};
+  glClearNamedBufferData(set.polygon_states.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, kUnseen.data());
+}
+
+void TextureSets::poll(Fences& done) {
+  for (Set& set : sets_) {
+    if (set.written && set.written->has_passed()) {
+      set.complete = true;
+      done.push_back(std::move(set.written));
+    }
+    if (set.read && set.read->has_passed()) done.push_back(std::move(set.read));
+  }
+}
+
+std::size_t TextureSets::newest_complete() const {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    if (sets_[i].complete && (!best || sets_[i].turn > sets_[*best].turn)) best = i;
+  }
+  assert(best);  // never free, so never overwritten before another one is complete
+  return *best;
+}
+
+std::optional<std::size_t> TextureSets::find_free() const {
+  // What is newer than the newest complete picture is kept: else an extraction that is faster than the GPU carries it
+  // out would write over each picture before the display could take it.
+  const std::uint64_t complete = sets_[newest_complete()].turn;
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    const Set& set = sets_[i];
+    if (i == newest_ || set.turn >= complete || set.read || (acquired_ > 0 && i == shown_)) continue;
+    // The one written last lacks least.
+    if (!best || set.turn > sets_[*best].turn) best = i;
+  }
+  return best;
+}
+
+bool TextureSets::begin(Begin how) {
+  assert(!writing_);
+  if (publishing_ == Publishing::direct) {
+    writing_ = true;
+    return true;
+  }
+  Fences done;
+  std::size_t newest = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    poll(done);
+    const std::optional<std::size_t> free = find_free();
+    if (!free) return false;
+    current_ = *free;
+    newest = newest_;
+    Set& set = sets_[current_];
+    set.complete = false;
+    // Superseded before it was complete; the new picture's commands come behind its own.
+    done.push_back(std::move(set.written));
+  }
+  writing_ = true;
+  if (how == Begin::update) bring_up_to_date(current_, newest);
+  forget_stale(sets_[current_]);
+  return true;
+}
+
+void TextureSets::bring_up_to_date(std::size_t set, std::size_t newest) {
+  if (sets_[set].all_stale) {
+    copier_->copy_all(newest, set);
+  } else {
+    copier_->copy(sets_[set].stale, newest, set);
+  }
+  glCopyNamedBufferSubData(sets_[newest].polygon_states.id(), sets_[set].polygon_states.id(), 0, 0,
+                           static_cast<GLsizeiptr>(polygons_ * 4 * sizeof(float)));
+}
+
+void TextureSets::forget_stale(Set& set) {
+  for (const std::uint32_t group : set.stale) set.is_stale[group] = false;
+  set.stale.clear();
+  set.all_stale = false;
+}
+
+void TextureSets::wait_for_free_set() {
+  if (publishing_ == Publishing::direct) return;
+  for (;;) {
+    Fences done;
+    std::shared_ptr<GlFence> awaited;
+    {
+      const std::lock_guard lock(mutex_);
+      poll(done);
+      if (find_free()) return;
+      // Own pictures first: the older ones of those on the way, then the frames that still read.
+      const auto take_oldest = [&](std::shared_ptr<GlFence> Set::*fence) {
+        std::uint64_t oldest = 0;
+        for (const Set& set : sets_) {
+          if (!(set.*fence) || (awaited && set.turn > oldest)) continue;
+          awaited = set.*fence;
+          oldest = set.turn;
+        }
+      };
+      take_oldest(&Set::written);
+      if (!awaited) take_oldest(&Set::read);
+    }
+    // A display holds one set at a time; of two that are not the newest, one has nothing but frames in flight.
+    assert(awaited);
+    awaited->wait();
+  }
+}
+
+void TextureSets::touch_all() {
+  assert(writing_);
+  touching_all_ = true;
+}
+
+void TextureSets::end(const std::vector<std::uint32_t>& touched, bool is_picture) {
+  assert(writing_);
+  writing_ = false;
+  if (is_picture) ++pictures_;
+  if (publishing_ == Publishing::direct) {
+    sets_[0].picture = pictures_;
+    touching_all_ = false;
+    return;
+  }
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    Set& set = sets_[i];
+    if (i == current_) continue;
+    set.all_stale = set.all_stale || touching_all_;
+    for (const std::uint32_t polygon : touched) {
+      const std::uint32_t group = layout_.charts[polygon].group;
+      if (set.is_stale[group]) continue;
+      set.is_stale[group] = true;
+      set.stale.push_back(group);
+    }
+  }
+  touching_all_ = false;
+  auto fence = std::make_shared<GlFence>(GlFence::insert());
+  const std::lock_guard lock(mutex_);
+  Set& set = sets_[current_];
+  set.turn = sets_[newest_].turn + 1;
+  set.picture = pictures_;
+  set.written = std::move(fence);
+  newest_ = current_;
+}
+
+TextureSets::Shown TextureSets::acquire() {
+  Fences done;
+  const std::lock_guard lock(mutex_);
+  if (acquired_++ == 0 && publishing_ == Publishing::buffered) {
+    poll(done);
+    shown_ = newest_complete();
+  }
+  const Set& set = sets_[shown_];
+  return {set.pages.id(), set.polygon_states.id(), set.picture};
+}
+
+void TextureSets::release() {
+  {
+    const std::lock_guard lock(mutex_);
+    assert(acquired_ > 0);
+    if (acquired_ > 1 || publishing_ == Publishing::direct) {
+      --acquired_;
+      return;
+    }
+  }
+  // Of frames in flight on one set the last fence stands for all: one context's commands are done in order.
+  auto fence = std::make_shared<GlFence>(GlFence::insert());
+  const std::lock_guard lock(mutex_);
+  --acquired_;
+  sets_[shown_].read.swap(fence);
+}
+
+}  // namespace foreview

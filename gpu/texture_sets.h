@@ -1,0 +1,124 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "foreview/gpu/gl_objects.h"
+#include "foreview/gpu/page_copier.h"
+#include "foreview/scene/chart_layout.h"
+
+namespace foreview {
+
+/// How finished textures reach the display (spec 10, design 4).
+enum class Publishing {
+  direct,    ///< one set of textures: what extraction writes is what the display reads (same thread, in turn)
+  buffered,  ///< three sets: shown (frames in flight), newest complete, being written; two threads, two contexts
+};
+/// Sets of textures that this takes: a budget for all texture memory is divided by it to get
+/// ChartOptions::memory_budget, which counts one set.
+[[nodiscard]] constexpr std::size_t set_count(Publishing publishing) {
+  return publishing == Publishing::direct ? 1 : 3;
+}
+
+/// The sets of textures behind a TextureStore, and who may use which. Textures are created once; while running, only
+/// fences come and go.
+///
+/// Pictures are written one after the other, each into a set that neither the display nor the newest picture needs; it
+/// is first brought up to what the newest picture holds. A picture is *complete* when the fence behind its commands has
+/// passed. The display takes the newest complete one and guards it with a fence behind each frame. Both sides only ask
+/// whether fences have passed, under a mutex that is never held while waiting for anything; so neither can hold up the
+/// other, and because a set changes hands only after its fence was seen to have passed, no server-side wait is needed.
+class TextureSets {
+ public:
+  /// All sets hold nothing seen. Errors as TextureStore's constructor; `layout` must outlive this. May wait for the
+  /// GPU.
+  TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing);
+  ~TextureSets();
+  TextureSets(const TextureSets&) = delete;
+  TextureSets& operator=(const TextureSets&) = delete;
+
+  // Extraction's side: one thread, its context current.
+
+  /// The set being written, else the newest.
+  [[nodiscard]] GLuint pages() const { return sets_[current_].pages.id(); }
+  [[nodiscard]] GLuint polygon_states() const { return sets_[current_].polygon_states.id(); }
+  [[nodiscard]] bool is_writing() const { return writing_; }
+  [[nodiscard]] Publishing publishing() const { return publishing_; }
+  [[nodiscard]] std::uint64_t pictures_ended() const { return pictures_; }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+  enum class Begin {
+    update,   ///< bring the set up to what the newest one holds
+    replace,  ///< all of it is going to be written: leave its contents as they are
+  };
+  /// See TextureStore::begin_picture().
+  bool begin(Begin how);
+  void wait_for_free_set();
+  /// Ends what begin() began; `touched` are the polygons whose charts were written. `is_picture`: Shown counts it.
+  void end(const std::vector<std::uint32_t>& touched, bool is_picture);
+  /// From now to the end, every chart counts as touched.
+  void touch_all();
+  /// Nothing seen: all texels transparent black, all polygons mid grey, in the set that pages() means.
+  void clear() { clear(sets_[current_]); }
+
+  // Display's side: one thread, its context current.
+
+  struct Shown {
+    GLuint pages = 0, polygon_states = 0;
+    std::uint64_t picture = 0;
+  };
+  Shown acquire();
+  void release();
+
+  /// How sets are brought up to date; of Publishing::buffered only.
+  [[nodiscard]] PageCopier& copier() { return *copier_; }
+
+ private:
+  struct Set {
+    // Fixed after construction.
+    GlTexture pages;
+    GlBuffer polygon_states;
+    // Extraction's own: the groups whose charts changed since this set was last written.
+    std::vector<std::uint32_t> stale;
+    std::vector<bool> is_stale;
+    bool all_stale = false;
+    // Both sides', guarded by the mutex.
+    std::uint64_t turn = 0;     ///< when it was last written: larger is newer
+    std::uint64_t picture = 0;  ///< Shown::picture
+    bool complete = false;
+    std::shared_ptr<GlFence> written;  ///< behind its picture, until it is known to have passed
+    std::shared_ptr<GlFence> read;     ///< behind the last frame that read it, until it is known to have passed
+  };
+  using Fences = std::vector<std::shared_ptr<GlFence>>;
+  // With the mutex held; fences no longer needed are moved to `done`, to be deleted after it was let go.
+  void poll(Fences& done);
+  [[nodiscard]] std::size_t newest_complete() const;
+  [[nodiscard]] std::optional<std::size_t> find_free() const;
+
+  void bring_up_to_date(std::size_t set, std::size_t newest);
+  static void forget_stale(Set& set);
+  static void clear(const Set& set);
+
+  const ChartLayout& layout_;
+  const std::size_t polygons_;
+  const Publishing publishing_;
+  std::vector<Set> sets_;
+  std::unique_ptr<PageCopier> copier_;
+
+  // Extraction's own.
+  std::size_t current_ = 0;  ///< being written, else newest
+  bool writing_ = false, touching_all_ = false;
+  std::uint64_t pictures_ = 0;
+
+  // Guarded by the mutex.
+  mutable std::mutex mutex_;
+  std::size_t newest_ = 0;  ///< last ended, complete or not
+  std::size_t shown_ = 0;
+  unsigned acquired_ = 0;  ///< acquire() less release()
+};
+
+}  // namespace foreview
