@@ -79,7 +79,7 @@ bool agree(const TimerCheck::Work& work) {
   return work.wall_ms > 0 && std::abs(work.query_ms - work.wall_ms) <= kTolerance * work.wall_ms;
 }
 
-/// As many rounds as take at least kLeastWork; then the best of a few tries, because a wall clock is easily too late.
+/// As many rounds as take at least kLeastWork; then the shortest of a few tries: a wall clock is easily too late.
 template <typename Issue>
 TimerCheck::Work time_work(const char* kind, TimerQueries& queries, Issue&& issue) {
   int rounds = 8;
@@ -96,9 +96,7 @@ TimerCheck::Work time_work(const char* kind, TimerQueries& queries, Issue&& issu
       --i;
       continue;
     }
-    if (i == 0 || std::abs(again.query_ms / again.wall_ms - 1) < std::abs(best.query_ms / best.wall_ms - 1)) {
-      best = again;
-    }
+    if (i == 0 || again.wall_ms < best.wall_ms) best = again;
   }
   return best;
 }
@@ -131,9 +129,13 @@ TimerCheck check_timer_queries() {
   return check;
 }
 
+const TimerCheck& startup_timer_check() {
+  static const TimerCheck check = check_timer_queries();
+  return check;
+}
+
 bool timer_queries_are_truthful() {
-  static const bool truthful = check_timer_queries().truthful;
-  return truthful;
+  return startup_timer_check().truthful;
 }
 
 }  // namespace foreview

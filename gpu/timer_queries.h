@@ -41,11 +41,13 @@ struct TimerCheck {
   bool truthful = false;  ///< timestamps exist, advance, and agree within 20 % for every kind of work
 };
 
-/// Times at least 5 ms of work of each kind, the best of three tries, in the current context. Takes some 100 ms;
+/// Times at least 5 ms of work of each kind, the shortest of three tries, in the current context. Takes some 100 ms;
 /// changes the context's program and bindings.
 [[nodiscard]] TimerCheck check_timer_queries();
-/// Whether ExtractionTiming::queries can be believed in the current context: asked once a process, by
-/// check_timer_queries(). False on software rasterisers, which report 0.0 to 0.6 ms for 80 to 110 ms of work.
+/// check_timer_queries() in the context that is current at the first call, once a process.
+[[nodiscard]] const TimerCheck& startup_timer_check();
+/// Whether ExtractionTiming::queries can be believed: what startup_timer_check() found. False on software rasterisers,
+/// which report 0.0 to 0.6 ms for 80 to 110 ms of work.
 [[nodiscard]] bool timer_queries_are_truthful();
 
 }  // namespace foreview

@@ -76,6 +76,7 @@ void run(const ExportCommand& command) {
   std::printf("%s: %.1f MB, %zu polygons in %zu parts, %zu of them seen in %zu pictures\n", command.file.c_str(),
               static_cast<double>(bytes) * 1e-6, polygons, store.model().parts().size(), seen,
               replayer.pictures_extracted());
+  if (command.replay.stats) std::fputs(counters_text(replayer.counters()).c_str(), stdout);
   if (!command.json_file.empty()) {
     const nlohmann::json json{{"version", 1},
                               {"recording", command.replay.recording.string()},
@@ -100,6 +101,7 @@ void add_export_command(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("export", "Write the model with the textures of a recording as binary glTF");
   sub->add_option("OUT", command->file, "The file to write, NAME.glb")->required();
   add_replay_options(*sub, command->replay);
+  add_pipeline_options(*sub, command->replay);
   sub->add_flag("--backdrop", command->with_backdrop, "With the box around the scene that shows what is far away");
   sub->add_option("--json", command->json_file, "Write what was exported to this file")->type_name("FILE.json");
   sub->footer(

@@ -59,6 +59,7 @@ int run(int argc, char** argv) {
   foreview::add_replay_command(app);
   foreview::add_evaluate_command(app);
   foreview::add_export_command(app);
+  foreview::add_bench_command(app);
 
   try {
     app.parse(argc, argv);
