@@ -76,6 +76,7 @@ void save_textures(const TextureStore& store, const fs::path& directory) {
   index.model_fingerprint = store.model().fingerprint();
   index.layout_fingerprint = layout_fingerprint(store.layout());
   index.polygons = static_cast<int>(store.model().polygons().size());
+  index.charts = static_cast<int>(store.layout().groups.size());
   index.page_size = store.layout().page_size;
   for (const cv::Mat& page : store.read_pages()) {
     std::vector<unsigned char> png;
@@ -105,11 +106,17 @@ void load_textures(TextureStore& store, const fs::path& directory) {
     throw InputError(index_file.string(), "these textures belong to another model (model_fingerprint differs)");
   }
   const ChartLayout& layout = store.layout();
+  const std::size_t charts = layout.groups.size();
+  if (static_cast<std::size_t>(index.charts) != charts) {
+    throw InputError(index_file.string(), "these textures lie in " + std::to_string(index.charts) +
+                                              " charts, but here the polygons share " + std::to_string(charts) +
+                                              "; use the same --pipeline, --density and --max-texels as when they "
+                                              "were saved");
+  }
   if (index.layout_fingerprint != layout_fingerprint(layout)) {
     throw InputError(index_file.string(),
-                     "these textures were made with other sizes, or by the other pipeline, which groups polygons "
-                     "otherwise (layout_fingerprint differs); use the same --density, --max-texels and --pipeline as "
-                     "when they were saved");
+                     "these textures were made with other sizes (layout_fingerprint differs); use the same --density, "
+                     "--max-texels and --pipeline as when they were saved");
   }
   const std::size_t polygons = store.model().polygons().size();
   if (static_cast<std::size_t>(index.polygons) != polygons || index.page_size != layout.page_size ||

@@ -79,6 +79,7 @@ std::string to_textures_yaml(const TexturesIndex& index) {
   text += "model_fingerprint: \"" + hex(index.model_fingerprint) + "\"\n";
   text += "layout_fingerprint: \"" + hex(index.layout_fingerprint) + "\"\n";
   text += "polygons: " + std::to_string(index.polygons) + "\n";
+  text += "charts: " + std::to_string(index.charts) + "\n";
   text += "page_size: " + std::to_string(index.page_size) + "\n";
   text += "page_checksums: [";
   for (std::size_t i = 0; i < index.page_checksums.size(); ++i) {
@@ -96,13 +97,14 @@ TexturesIndex parse_textures_yaml(const std::string& text, const std::string& wh
   if (version != kTexturesVersion) {
     map.fail("version", "is " + std::to_string(version) + "; this program reads " + std::to_string(kTexturesVersion));
   }
-  map.allow_only({"format", "version", "model_fingerprint", "layout_fingerprint", "polygons", "page_size",
+  map.allow_only({"format", "version", "model_fingerprint", "layout_fingerprint", "polygons", "charts", "page_size",
                   "page_checksums", "states_checksum"});
   const auto hash = [&](const std::string& key) { return parse_hex(map, key, required(map, key, map.text(key))); };
   TexturesIndex index;
   index.model_fingerprint = hash("model_fingerprint");
   index.layout_fingerprint = hash("layout_fingerprint");
   index.polygons = required(map, "polygons", map.integer("polygons", 1, std::numeric_limits<int>::max()));
+  index.charts = required(map, "charts", map.integer("charts", 1, std::numeric_limits<int>::max()));
   index.page_size = required(map, "page_size", map.integer("page_size", 1, 1 << 20));
   for (const std::string& checksum : required(map, "page_checksums", map.texts("page_checksums"))) {
     index.page_checksums.push_back(parse_hex(map, "page_checksums", checksum));

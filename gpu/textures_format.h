@@ -16,6 +16,7 @@ namespace foreview {
 ///   model_fingerprint: "16 hexadecimal digits"   # PolygonModel::fingerprint()
 ///   layout_fingerprint: "..."                    # layout_fingerprint()
 ///   polygons: 1936
+///   charts: 1747                                 # groups of polygons that share a block
 ///   page_size: 4096
 ///   page_checksums: ["...", "..."]               # file_checksum() of page-000.png, page-001.png ...
 ///   states_checksum: "..."                       # of polygon-states.csv
@@ -23,6 +24,7 @@ namespace foreview {
 struct TexturesIndex {
   std::uint64_t model_fingerprint = 0, layout_fingerprint = 0;
   int polygons = 0;
+  int charts = 0;
   int page_size = 0;
   std::vector<std::uint64_t> page_checksums;
   std::uint64_t states_checksum = 0;

@@ -694,6 +694,25 @@ TEST_F(ExtractionTest, RefusesWhatCannotBe) {
   expect_input_error([&] { PerPolygonExtraction(*store_, too_large, options_); }, "--max-texels");
   expect_input_error([&] { PerPolygonExtraction(*store_, too_large, options_); }, std::to_string(limit));
 
+  RawMesh pair = mesh;
+  const auto more = static_cast<std::uint32_t>(pair.vertices.size());
+  pair.vertices.emplace_back(-0.64, 0, 1);
+  pair.faces.push_back({pair.faces[0][1], pair.faces[0][0], more});
+  ImportOptions import;
+  import.backdrop = false;
+  import.merge_coplanar = false;
+  const PolygonModel neighbours = build_polygon_model(pair, import);
+  ChartOptions grouped = charts_;
+  grouped.group_polygons = true;
+  const ChartLayout layout = lay_out_charts(neighbours, grouped);
+  ASSERT_EQ(neighbours.polygons().size(), 2U);
+  if (layout.groups.size() == 1) {
+    TextureStore store(neighbours, layout);
+    expect_input_error([&] { PerPolygonExtraction(store, grouped, options_); }, "group_polygons");
+  } else {
+    ADD_FAILURE() << "the polygons are not grouped";
+  }
+
   CameraFrame wrong_size = frame();
   wrong_size.picture = wrong_size.picture(cv::Rect(0, 0, 100, 100)).clone();
   expect_input_error([&] { pipeline_->extract(wrong_size); }, "100x100 pixels, expected its camera's 160x120");

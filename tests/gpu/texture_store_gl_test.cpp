@@ -163,6 +163,35 @@ TEST_F(GlTest, StoreUpdatesLevelsOfTheNamedChartsOnly) {
   }
 }
 
+TEST_F(GlTest, StoreUpdatesAGroupOnceHoweverManyOfItAreNamed) {
+  const PolygonModel model = rows_of_quads({5, 4});
+  ChartOptions options;
+  options.texels_per_metre = 200;
+  options.page_size = 256;
+  const ChartLayout layout = lay_out_charts(model, options);
+  ASSERT_EQ(layout.groups.size(), 2U);
+  TextureStore store(model, layout);
+  const std::vector<cv::Mat> pages = random_pages(layout);
+  store.write_pages(pages, std::vector<State>(9));
+  std::vector<std::vector<cv::Mat>> whole;
+  for (int level = 1; level < kChartLevels; ++level) whole.push_back(read_level(store, level));
+  // The list of blocks has room for each block once: naming it twice would be an error of OpenGL.
+  store.write_pages(blank_pages(layout), std::vector<State>(9));
+  glTextureSubImage3D(store.pages(), 0, 0, 0, 0, layout.page_size, layout.page_size, 1, GL_BGRA, GL_UNSIGNED_BYTE,
+                      pages[0].data);
+  store.update_levels({3, 0, 2});
+  const Chart& updated = layout.charts[0];
+  const Chart& other = layout.charts[8];
+  for (int level = 1; level < kChartLevels; ++level) {
+    const cv::Mat read = read_level(store, level)[0];
+    EXPECT_EQ(cv::norm(read(rect_of(updated, level)),
+                       whole[static_cast<std::size_t>(level - 1)][0](rect_of(updated, level)), cv::NORM_INF),
+              0)
+        << level;
+    EXPECT_EQ(cv::norm(read(rect_of(other, level)), cv::NORM_INF), 0) << level;
+  }
+}
+
 TEST_F(GlTest, StoreRefusesWhatTheDriverCannotHold) {
   const PolygonModel model = rows_of_quads({2});
   GLint max_size = 0, max_layers = 0;

@@ -97,6 +97,15 @@ TEST_F(SavedTextures, OfAnotherLayoutAreRefused) {
   expect_refusal("--density", other);
 }
 
+TEST_F(SavedTextures, OfPolygonsGroupedOtherwiseAreRefused) {
+  ChartOptions options;
+  options.texels_per_metre = 200;
+  const ChartLayout grouped = lay_out_charts(model_, options);
+  ASSERT_EQ(grouped.groups.size(), 1U);
+  TextureStore other(model_, grouped);
+  expect_refusal("these textures lie in 6 charts, but here the polygons share 1; use the same --pipeline", other);
+}
+
 TEST_F(SavedTextures, WithMissingFilesAreRefused) {
   fs::remove(directory_ / "page-001.png");
   expect_refusal("page-001.png: no such file");

@@ -16,6 +16,7 @@ TexturesIndex some_index() {
   index.model_fingerprint = 0x0123456789abcdefULL;
   index.layout_fingerprint = 0xfedcba9876543210ULL;
   index.polygons = 3;
+  index.charts = 2;
   index.page_size = 64;
   index.page_checksums = {1, 0xffffffffffffffffULL};
   index.states_checksum = 42;
@@ -52,6 +53,7 @@ TEST(TexturesYaml, NamesPlaceAndReasonOfEveryDamage) {
       {replaced("0123456789abcdef", "0123456789abcdeg"), "model_fingerprint"},
       {replaced("polygons: 3", "polygons: 0"), "polygons"},
       {replaced("polygons: 3", "polygons: 99999999999"), "polygons"},
+      {replaced("charts: 2", "charts: 0"), "charts"},
       {replaced("page_size: 64", "page_size: -64"), "page_size"},
       {replaced("page_size: 64\n", ""), "page_size: is missing"},
       {replaced("[\"0000000000000001\"", "[{}"), "page_checksums"},

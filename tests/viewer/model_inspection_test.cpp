@@ -56,6 +56,7 @@ TEST(InspectModel, SaysWhatTexturesCost) {
   EXPECT_EQ(inspection.layout.page_size, 256);
   EXPECT_EQ(inspection.findings, std::vector<std::string>{"1 holes or rims of 4 edges: cameras see through them"});
   EXPECT_TRUE(holds(to_text(inspection), "1 of 256 x 256 texels"));
+  EXPECT_EQ(inspection.charts, 1U);
   ChartOptions charts;
   charts.texels_per_metre = 10;
   inspection = inspect_model(file, options, charts);
@@ -72,6 +73,7 @@ TEST(InspectModel, JsonHoldsTheSameFigures) {
   EXPECT_EQ(json["polygons"], 151);
   EXPECT_EQ(json["edges"]["boundary"], 4);
   EXPECT_EQ(json["parts"][1]["name"], "backdrop");
+  EXPECT_EQ(json["textures"]["charts"], 1) << "the backdrop's do not count";
   EXPECT_EQ(json["textures"]["memory_bytes"], inspection.layout.memory_bytes);
 }
 
