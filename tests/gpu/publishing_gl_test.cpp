@@ -427,24 +427,6 @@ TEST_F(PublishingTest, NoPictureBeginsWhileTheDisplayReadsAllOtherSets) {
   EXPECT_EQ(shown_picture(store), 3U);
 }
 
-TEST_F(PublishingTest, OnlyTheLastFrameOfASetFreesIt) {
-  const PolygonModel model = rows_of_quads({5});
-  TextureStore store(model, tight_layout(model, kMixedSizes, 128), Publishing::buffered);
-  const BusyWork work;
-  // A frame that is done, and another of the same set that is not.
-  EXPECT_EQ(shown_picture(store), 0U);
-  const GLuint in_flight = store.acquire().pages;
-  const GlFence busy = work.issue();
-  store.release();
-  for (int k = 0; k < 6; ++k) {
-    publish_nothing(store);
-    const bool still_reading = !busy.has_passed();
-    EXPECT_TRUE(k > 1 || still_reading) << "the work is too quick for this test";
-    EXPECT_FALSE(still_reading && store.pages() == in_flight) << k;
-  }
-  glFinish();
-}
-
 TEST_F(PublishingTest, ExtractionIsNeverSoFarAheadThatNoPictureIsEverShown) {
   const PolygonModel model = rows_of_quads({5});
   extraction();
