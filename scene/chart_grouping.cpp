@@ -22,9 +22,9 @@ constexpr double kOverlapTolerance = 1e-3;  // texels; the corners of neighbours
 constexpr double kLeastFill = 0.3;          // share of a group's box that members cover; a triangle has 0.5 of its own
 constexpr double kMostLoss = 0.25;          // share of its gutter that a polygon may lose in texels by its inclination
 constexpr double kTinyTexels = 4;           // area of polygons that any colour serves, but a block of their own wastes
-constexpr double kLeastCell = 1;            // texels
-constexpr int kCellsOfReach = 64;           // cells from the seed to the furthest that a group can reach
-constexpr std::size_t kRingPolygons = 32;   // round the seed, for the first guess of the group's normal
+constexpr std::size_t kMostNear = 400;      // members near a polygon: more would make the effort grow with their square
+constexpr double kMostCells = 256;  // from the seed to the furthest that a group can reach; there are least an 8th
+constexpr std::size_t kRingPolygons = 32;  // round the seed, for the first guess of the group's normal
 
 /// Directed edges of all polygons, found by their ends.
 class EdgeTable {
@@ -140,20 +140,22 @@ class Grouper {
   Grouper(const PolygonModel& model, const std::vector<bool>& may_group, const GroupingLimits& limits)
       : model_(model),
         limits_(limits),
-        cell_(std::max(kLeastCell, limits.max_texels / kCellsOfReach)),
         free_(may_group),
         places_(places_of_corners(model)),
-        cells_(static_cast<std::size_t>(kRowCells) * kRowCells),
         state_(model.polygons().size(), State::unknown),
         slot_(model.polygons().size(), 0),
         ring_stamp_(model.polygons().size(), 0) {
     link();
+    const double area = std::accumulate(areas_.begin(), areas_.end(), 0.0) / static_cast<double>(areas_.size());
+    const double finest = std::max(1.0, limits.max_texels / kMostCells);
+    cell_ = std::clamp(std::sqrt(area) * limits.texels_per_metre, finest, 8 * finest);
+    row_cells_ = 2 * static_cast<int>(std::ceil(limits.max_texels / cell_)) + 6;
+    cells_.resize(static_cast<std::size_t>(row_cells_) * static_cast<std::size_t>(row_cells_));
   }
 
   std::vector<PolygonGroup> run();
 
  private:
-  static constexpr int kRowCells = 2 * kCellsOfReach + 6;
   enum class State : std::uint8_t { unknown, waiting, member };
 
   /// A group while it grows.
@@ -188,7 +190,8 @@ class Grouper {
 
   const PolygonModel& model_;
   GroupingLimits limits_;
-  double cell_;
+  double cell_ = 1;    // texels: about the size of a polygon
+  int row_cells_ = 1;  // cells of the grid along an axis; what lies further counts as on its rim
   std::vector<bool> free_;
   std::vector<std::uint32_t> places_;         // by corner
   std::vector<std::uint32_t> sorted_places_;  // by corner, sorted inside each polygon
@@ -282,11 +285,11 @@ glm::dvec3 Grouper::normal_around(std::uint32_t seed) {
 template <typename Use>
 void Grouper::for_cells(const glm::dvec2& low, const glm::dvec2& high, const Use& use) {
   const auto column = [&](double value) {
-    return std::clamp(static_cast<int>(std::floor(value / cell_)) + kRowCells / 2, 0, kRowCells - 1);
+    return std::clamp(static_cast<int>(std::floor(value / cell_)) + row_cells_ / 2, 0, row_cells_ - 1);
   };
   for (int y = column(low.y); y <= column(high.y); ++y)
     for (int x = column(low.x); x <= column(high.x); ++x)
-      use(static_cast<std::size_t>(y) * kRowCells + static_cast<std::size_t>(x));
+      use(static_cast<std::size_t>(y) * static_cast<std::size_t>(row_cells_) + static_cast<std::size_t>(x));
 }
 
 /// Whether the polygon overlaps no member, and hangs together with all that are near.
@@ -314,6 +317,10 @@ bool Grouper::keeps_apart(const Growth& growth, std::uint32_t polygon, const Out
       } else if (are_tiny(outline, other) || nearer_than(outline, other, reach)) {
         looks_[slot].near = look_;
         near_.push_back(slot);
+      }
+      if (near_.size() + open_.size() > kMostNear) {
+        free = false;
+        return;
       }
     }
   });

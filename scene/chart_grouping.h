@@ -36,7 +36,8 @@ extern const double kLeastTinyCosine;
 /// - keep apart: two members nearer to each other than `separation` are connected, through shared corners, by members
 ///   that are nearer than that to one of the two. (In a mesh finer than the separation, many are that near; what must
 ///   not be is a slit, whose sides would take each other's colours.)
-/// The box of a group of several is no longer than max_texels along an axis.
+/// The box of a group of several is no longer than max_texels along an axis, and where hundreds of polygons lie within
+/// the separation, a group ends, so that the effort stays proportional to the number of polygons.
 [[nodiscard]] std::vector<PolygonGroup> group_polygons(const PolygonModel& model, const std::vector<bool>& may_group,
                                                        const GroupingLimits& limits);
 
