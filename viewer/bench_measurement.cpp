@@ -138,7 +138,7 @@ std::vector<double> BenchRun::ms_per_million_texels() const {
 void measure(const BenchRequest& request, TextureStore& store, BenchPictures& pictures, BenchRun& run,
              const std::function<void()>& tick) {
   run.request = request;
-  run.counters.describe(store.model(), store.layout());
+  run.counters.describe(store);
   std::unique_ptr<ExtractionPipeline> pipeline;
   try {
     pipeline = make_extraction_pipeline(request.pipeline, store, request.charts, request.extraction);
@@ -177,7 +177,7 @@ std::size_t pictures_to_extract(const BenchRequest& request, std::size_t picture
 }
 
 ChartOptions charts_for(PipelineKind pipeline, ChartOptions charts) {
-  static_cast<void>(pipeline);
+  charts.group_polygons = pipeline == PipelineKind::batched;
   return charts;
 }
 

@@ -73,7 +73,7 @@ void measure(const BenchRequest& request, TextureStore& store, BenchPictures& pi
 /// Pictures that measure() extracts, for a progress bar.
 [[nodiscard]] std::size_t pictures_to_extract(const BenchRequest& request, std::size_t pictures);
 
-/// The store's options for a pipeline.
+/// The store's options for a pipeline: only the batched one takes several polygons in a chart.
 [[nodiscard]] ChartOptions charts_for(PipelineKind pipeline, ChartOptions charts);
 
 /// Milliseconds since the benchmark's start: the first call.

@@ -55,17 +55,23 @@ class Scaling {
       : options_(options), pipeline_(pipeline), report_(report), tick_(tick) {}
 
   void measure_all() {
-    usual_polygons_ = std::min(kUsualPolygons, options_.most_polygons);
     const double usual_megapixels = std::min(kUsualMegapixels, options_.most_megapixels);
-    const PolygonModel usual = bumpy_room(usual_polygons_);
-    const double texels = lay_out_charts(usual, room_charts(pipeline_, kUsualDensity)).written_texels;
+    const PolygonModel usual = bumpy_room(std::min(kUsualPolygons, options_.most_polygons));
+    layout_texels_ = lay_out_charts(usual, room_charts(pipeline_, kUsualDensity)).written_texels;
+    usual_texels_ = texels_written(usual, kUsualDensity, usual_megapixels);
+    if (usual_texels_ <= 0) {
+      refuse(usual);
+      return;
+    }
 
     begin_curve("polygons", "polygons of the room, at equal texels", "polygons");
     for (const std::size_t polygons : kPolygons) {
       if (polygons > options_.most_polygons) break;
       const PolygonModel room = bumpy_room(polygons);
-      const double density = density_for_texels(room, room_charts(pipeline_, kUsualDensity), texels);
-      if (!add_point(static_cast<double>(room.polygons().size()), room, density, usual_megapixels)) break;
+      const double density = equal_density(room, usual_megapixels);
+      if (!add_point(polygons == kPolygons.back(), static_cast<double>(room.polygons().size()), room, density,
+                     usual_megapixels))
+        break;
     }
     end_curve();
 
@@ -73,20 +79,30 @@ class Scaling {
     for (const double megapixels : kMegapixels) {
       if (megapixels > options_.most_megapixels + 1e-9) break;
       const CameraModel camera = room_camera(megapixels);
-      if (!add_point(1e-6 * camera.width * camera.height, usual, kUsualDensity, megapixels)) break;
+      if (!add_point(megapixels == kMegapixels.back(), 1e-6 * camera.width * camera.height, usual, kUsualDensity,
+                     megapixels))
+        break;
     }
     end_curve();
 
     begin_curve("texels", text_of("texels written, by density, %zu polygons", usual.polygons().size()),
                 "million texels written per picture");
     for (const double density : kDensities) {
-      if (!add_point(std::nullopt, usual, density, usual_megapixels)) break;
+      if (!add_point(density == kDensities.back(), std::nullopt, usual, density, usual_megapixels)) break;
     }
     end_curve();
-    compare_pair(texels, usual_megapixels);
+    compare_pair(usual_megapixels);
   }
 
  private:
+  /// Says in the report why this pipeline is not measured.
+  void refuse(const PolygonModel& model) {
+    const ChartOptions charts = room_charts(pipeline_, kUsualDensity);
+    TextureStore store(model, lay_out_charts(model, charts));
+    BenchPictures none = room_pictures(room_camera(0.01), 0);
+    measure(request("room", charts), store, none, report_.runs.emplace_back());
+  }
+
   void begin_curve(const char* id, const std::string& title, const char* x_label) {
     ScalingCurve& curve = report_.curves.emplace_back();
     curve.id = id;
@@ -110,7 +126,7 @@ class Scaling {
   }
 
   /// x is the texels written where not given. False where the curve ends before this point.
-  bool add_point(std::optional<double> x, const PolygonModel& model, double density, double megapixels) {
+  bool add_point(bool is_last, std::optional<double> x, const PolygonModel& model, double density, double megapixels) {
     ScalingCurve& curve = report_.curves.back();
     const double begun = bench_clock_ms();
     const std::string name = text_of("%s %zu", curve.id.c_str(), curve.points.size() + 1);
@@ -124,7 +140,7 @@ class Scaling {
     if (!run.unsupported.empty()) return false;
     curve.points.push_back({x.value_or(1e-6 * mean_texels(run)), quantiles_of(run.total_ms()), index});
     // Steps of the sizes are of a factor of four or less.
-    if (4e-3 * (bench_clock_ms() - begun) > options_.point_seconds) {
+    if (!is_last && 4e-3 * (bench_clock_ms() - begun) > options_.point_seconds) {
       report_.findings.push_back(text_of("%s, %s: no larger sizes, the next would take more than %.0f s",
                                          curve.id.c_str(), to_string(pipeline_), options_.point_seconds));
       return false;
@@ -144,42 +160,52 @@ class Scaling {
     report_.findings.push_back(finding_of(curve));
   }
 
-  /// Twice the polygons at equal texels: densities are corrected by what a picture was seen to write, then both are
-  /// measured in turn, so that what else happens on the machine meets both.
-  void compare_pair(double texels, double megapixels) {
+  /// Texels that a picture is seen to write, mean of a few pictures.
+  double texels_written(const PolygonModel& model, double density, double megapixels) {
+    const ChartOptions charts = room_charts(pipeline_, density);
+    TextureStore store(model, lay_out_charts(model, charts));
+    BenchPictures pictures = room_pictures(room_camera(megapixels), this->pictures());
+    BenchRequest one = request("equal texels", charts);
+    one.steps = one.keep_spans = one.counting = false;
+    BenchRun run;
+    measure(one, store, pictures, run, [&] { tick_("equal texels"); });
+    return mean_texels(run);
+  }
+
+  /// The density at which a picture of this room writes as many texels as one of the usual room: corrected by what
+  /// pictures are seen to write, as far as sizes of textures allow, which may jump by powers of two.
+  double equal_density(const PolygonModel& model, double megapixels) {
+    double density = density_for_texels(model, room_charts(pipeline_, kUsualDensity), layout_texels_);
+    double best = density, best_error = 1e300;
+    for (int tries = 0; tries < 4; ++tries) {
+      const double written = texels_written(model, density, megapixels);
+      if (written <= 0) break;
+      const double error = std::abs(std::log(written / usual_texels_));
+      if (error < best_error) {
+        best_error = error;
+        best = density;
+      }
+      if (error < 0.02) break;
+      density *= std::sqrt(usual_texels_ / written);
+    }
+    return best;
+  }
+
+  /// Twice the polygons at equal texels, measured in turn, so that what else happens on the machine meets both.
+  void compare_pair(double megapixels) {
     const std::size_t count = std::min(kPairPolygons, options_.most_polygons / 2);
     if (count < 12) return;
     const std::array<PolygonModel, 2> rooms{bumpy_room(count), bumpy_room(2 * count)};
     const CameraModel camera = room_camera(megapixels);
     std::array<double, 2> densities{};
     std::array<std::unique_ptr<TextureStore>, 2> stores;
-    std::array<double, 2> written{};
-    const auto try_out = [&](std::size_t i) {
-      stores[i].reset();
+    std::array<double, 2> written{}, visible{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      densities[i] = equal_density(rooms[i], megapixels);
       const ChartOptions charts = room_charts(pipeline_, densities[i]);
       stores[i] = std::make_unique<TextureStore>(rooms[i], lay_out_charts(rooms[i], charts));
-      BenchPictures pictures = room_pictures(camera, std::min<std::size_t>(4, this->pictures()));
-      BenchRequest one = request("pair", charts);
-      one.steps = one.keep_spans = one.counting = false;
-      BenchRun run;
-      measure(one, *stores[i], pictures, run, [&] { tick_("pair"); });
-      written[i] = mean_texels(run);
-    };
-    for (std::size_t i = 0; i < 2; ++i) {
-      densities[i] = density_for_texels(rooms[i], room_charts(pipeline_, kUsualDensity), texels);
-      try_out(i);
-    }
-    for (int tries = 0; tries < 4 && written[0] > 0 && std::abs(written[1] / written[0] - 1) > 0.02; ++tries) {
-      const double best = densities[1], before = std::abs(written[1] / written[0] - 1);
-      densities[1] *= std::sqrt(written[0] / written[1]);
-      try_out(1);
-      if (std::abs(written[1] / written[0] - 1) < before) continue;
-      densities[1] = best;  // sizes of textures that jump by powers of two
-      try_out(1);
-      break;
     }
     std::array<std::vector<double>, 2> ms;
-    std::array<double, 2> visible{};
     for (int turn = 0; turn < kPairTurns; ++turn) {
       for (std::size_t i = 0; i < 2; ++i) {
         BenchPictures pictures = room_pictures(camera, this->pictures());
@@ -206,7 +232,7 @@ class Scaling {
   PipelineKind pipeline_;
   BenchReport& report_;
   const std::function<void(const std::string&)>& tick_;
-  std::size_t usual_polygons_ = 0;
+  double layout_texels_ = 0, usual_texels_ = 0;  ///< of the usual room: to write in all, and seen written by a picture
 };
 
 BenchTable table_of(const ScalingCurve& curve, const BenchReport& report) {
@@ -255,7 +281,7 @@ std::string finding_of(const ScalingCurve& curve) {
   const GrowthFit& fit = curve.fit;
   const double per = curve.id == "polygons" ? 1000 : 1;
   const char* unit = curve.id == "polygons" ? "1000 polygons" : curve.id == "pixels" ? "megapixel" : "million texels";
-  return text_of("%s, %s: %.6g to %.6g, t = %.2f ms + %.3f ms per %s; t ~ x^%.2f, at the end x^%.2f: %s",
+  return text_of("%s, %s: %.6g to %.6g, t = %.2f ms %+.3f ms per %s; t ~ x^%.2f, at the end x^%.2f: %s",
                  curve.id.c_str(), to_string(curve.pipeline), curve.points.front().x, curve.points.back().x,
                  fit.constant, fit.slope * per, unit, fit.exponent, fit.exponent_at_end,
                  fit.at_most_linear ? "at most linear" : "MORE than linear");
@@ -265,7 +291,9 @@ void measure_scaling(const ScalingOptions& options, BenchReport& report,
                      const std::function<void(const std::string&)>& tick) {
   const auto write_tables = [&] {
     report.tables.clear();
-    for (const ScalingCurve& curve : report.curves) report.tables.push_back(table_of(curve, report));
+    for (const ScalingCurve& curve : report.curves) {
+      if (!curve.points.empty()) report.tables.push_back(table_of(curve, report));
+    }
   };
   try {
     for (const PipelineKind pipeline : options.pipelines) Scaling(options, pipeline, report, tick).measure_all();

@@ -84,6 +84,7 @@ std::string table_text(const BenchTable& table) {
 
 std::string table_html(const BenchTable& table) {
   std::string html = "<h3>" + html_escaped((table.id.empty() ? "" : table.id + " ") + table.title) +
+                     (table.unit.empty() ? "" : " <small>" + html_escaped(table.unit) + "</small>") +
                      "</h3>\n<div class=\"scroll\"><table><thead><tr>";
   for (const std::string& column : table.columns) html += "<th>" + html_escaped(column) + "</th>";
   html += "</tr></thead><tbody>\n";

@@ -243,7 +243,7 @@ RunCounters Replayer::counters() const {
   counters.pictures_damaged = state_->damaged.size();
   counters.sum = state_->statistics;
   counters.observed_counted = state_->options.stats;
-  counters.describe(state_->model, state_->store.layout());
+  counters.describe(state_->store);
   return counters;
 }
 double Replayer::extraction_seconds() const {

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "foreview/gpu/texture_store.h"
+
 namespace foreview {
 namespace {
 
@@ -15,10 +17,10 @@ std::string line(const char* format, Values... values) {
 
 }  // namespace
 
-void RunCounters::describe(const PolygonModel& model, const ChartLayout& layout) {
-  polygons = model.polygons().size();
-  texels_useful = layout.useful_texels;
-  memory_bytes = layout.memory_bytes;
+void RunCounters::describe(const TextureStore& store) {
+  polygons = store.model().polygons().size();
+  texels_useful = store.layout().useful_texels;
+  memory_bytes = store.memory_bytes();
 }
 
 std::string counters_text(const RunCounters& counters) {

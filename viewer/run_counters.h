@@ -4,10 +4,10 @@
 #include <string>
 
 #include "foreview/gpu/extraction.h"
-#include "foreview/scene/chart_layout.h"
-#include "foreview/scene/polygon_model.h"
 
 namespace foreview {
+
+class TextureStore;
 
 /// What `--stats` prints of any run that extracts textures.
 struct RunCounters {
@@ -19,9 +19,9 @@ struct RunCounters {
   // Of the model and its layout:
   std::size_t polygons = 0;
   double texels_useful = 0;      ///< area of all polygons but the backdrop's times density
-  std::size_t memory_bytes = 0;  ///< of the atlas pages, all levels
+  std::size_t memory_bytes = 0;  ///< of all textures and states of the store
 
-  void describe(const PolygonModel& model, const ChartLayout& layout);
+  void describe(const TextureStore& store);
 };
 
 /// Lines of at most 100 columns. Texels, polygons, passes and draw calls are means over the pictures extracted.

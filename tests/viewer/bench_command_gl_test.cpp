@@ -1,0 +1,207 @@
+// foreview bench as a user runs it. How long anything takes is no condition.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/temporary_directory.h"
+#include "viewer/run_foreview.h"
+#include "viewer/wall_recording.h"
+
+namespace foreview {
+namespace {
+
+using nlohmann::json;
+using test::Finished;
+using test::run_foreview;
+using test::RunningForeview;
+using test::TemporaryDirectory;
+using test::WallRecording;
+
+constexpr int kPictures = 6;
+
+class BenchCommand : public ::testing::Test {
+ protected:
+  BenchCommand() { WallRecording::write(directory_.path() / "wall", kPictures); }
+  [[nodiscard]] std::string path(const char* name) const { return (directory_.path() / name).string(); }
+  [[nodiscard]] std::string read(const char* name) const { return directory_.read(name); }
+  [[nodiscard]] json read_json(const char* name) const { return json::parse(directory_.read(name)); }
+
+ private:
+  TemporaryDirectory directory_;
+};
+
+/// What holds of every run that was measured.
+void expect_sound(const json& run) {
+  for (const json& cost : run["totals"]) {
+    EXPECT_GT(cost["total_ms"], 0);
+    EXPECT_LE(cost["cpu_ms"], cost["total_ms"]);
+  }
+  for (const json& cost : run["stepped"]) {
+    double sum = 0;
+    for (const auto& [step, ms] : cost["steps_ms"].items()) {
+      EXPECT_GE(ms.get<double>(), 0) << step;
+      sum += ms.get<double>();
+    }
+    EXPECT_NEAR(sum, cost["total_ms"].get<double>(), 1e-6 * sum + 1e-9);
+  }
+}
+
+TEST_F(BenchCommand, MeasuresARecordingByStep) {
+  const Finished run = run_foreview({"bench", path("wall"), "--pipeline", "per-polygon", "--density", "40", "--json",
+                                     path("b.json"), "--html", path("b.html"), "--trace", path("b.trace"), "--stats"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  for (const char* said : {"GL: ", "timing: ", "filling", "sum of the steps", "total, nothing waiting between",
+                           "pictures a second without decoding", "counters of the run", "observed"}) {
+    EXPECT_NE(run.out.find(said), std::string::npos) << said << "\n" << run.out;
+  }
+  const json report = read_json("b.json");
+  EXPECT_EQ(report["format"], "foreview-bench");
+  EXPECT_EQ(report["version"], 1);
+  EXPECT_EQ(report["kind"], "recording");
+  EXPECT_TRUE(report["complete"]);
+  const std::string method = report["machine"]["timer_method"];
+  ASSERT_EQ(report["runs"].size(), 1U);
+  const json& measured = report["runs"][0];
+  EXPECT_EQ(measured["pipeline"], "per-polygon");
+  EXPECT_EQ(measured["step_timing"], method);
+  EXPECT_EQ(measured["totals"].size(), static_cast<std::size_t>(kPictures));
+  EXPECT_EQ(measured["stepped"].size(), static_cast<std::size_t>(kPictures));
+  EXPECT_EQ(measured["density"], 40);
+  expect_sound(measured);
+  const json& counters = measured["counters"];
+  EXPECT_EQ(counters["pictures_extracted"], kPictures);
+  EXPECT_EQ(counters["pictures_damaged"], 0);
+  std::size_t written = 0;
+  for (const json& cost : measured["totals"]) written += cost["texels_written"].get<std::size_t>();
+  EXPECT_GT(written, 0U);
+  EXPECT_EQ(counters["texels_written"], written);
+  EXPECT_GT(counters["texels_observed"], 0);
+  EXPECT_LE(counters["texels_observed"], written);
+
+  const std::string html = read("b.html");
+  EXPECT_NE(html.find("</html>"), std::string::npos);
+  EXPECT_EQ(html.find("http"), std::string::npos);
+  // Spans of a track begin and end one after the other.
+  const json trace = read_json("b.trace");
+  std::map<std::pair<int, int>, double> ends;
+  std::size_t spans = 0;
+  for (const json& event : trace["traceEvents"]) {
+    if (event["ph"] != "X") continue;
+    ++spans;
+    double& end = ends[{event["pid"].get<int>(), event["tid"].get<int>()}];
+    EXPECT_GE(event["ts"].get<double>(), end - 1e-3);
+    end = event["ts"].get<double>() + event["dur"].get<double>();
+  }
+  EXPECT_EQ(ends.size(), 3U);
+  EXPECT_GT(spans, static_cast<std::size_t>(3 * kPictures));
+}
+
+TEST_F(BenchCommand, DamagedPicturesAreCountedAndLeftOut) {
+  std::ofstream(path("wall") + "/rgb/000002.png") << "no picture";
+  std::ofstream(path("wall") + "/rgb/000002.jpg") << "no picture";
+  const Finished run = run_foreview(
+      {"bench", path("wall"), "--pipeline", "per-polygon", "--density", "20", "--json", path("b.json"), "--stats"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json measured = read_json("b.json")["runs"][0];
+  EXPECT_EQ(measured["totals"].size(), static_cast<std::size_t>(kPictures - 1));
+  EXPECT_EQ(measured["counters"]["pictures_damaged"], 1);
+  EXPECT_EQ(measured["counters"]["pictures_in"], kPictures);
+}
+
+TEST_F(BenchCommand, GrowthInAGeneratedRoom) {
+  const Finished run =
+      run_foreview({"bench", "scaling", "--pipeline", "per-polygon", "--most-polygons", "300", "--most-megapixels",
+                    "0.6", "--pictures", "1", "--json", path("s.json"), "--html", path("s.html")});
+  ASSERT_EQ(run.status, 0) << run.err << run.out;
+  EXPECT_NE(run.out.find("twice the polygons at equal texels"), std::string::npos) << run.out;
+  const json report = read_json("s.json");
+  ASSERT_EQ(report["curves"].size(), 3U);
+  for (const json& curve : report["curves"]) {
+    ASSERT_GE(curve["points"].size(), 2U);
+    EXPECT_FALSE(curve["fit"].is_null());
+    double before = 0;
+    for (const json& point : curve["points"]) {
+      EXPECT_GT(point["x"], before);
+      before = point["x"];
+      expect_sound(report["runs"][point["run"].get<std::size_t>()]);
+    }
+  }
+}
+
+TEST_F(BenchCommand, CtrlCLeavesWholeFiles) {
+  RunningForeview running({"bench", "scaling", "--pipeline", "per-polygon", "--json", path("s.json")});
+  for (int i = 0; i < 600 && running.standard_output().find("timing: ") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  running.send_signal(SIGINT);
+  EXPECT_EQ(running.wait(60), 130) << running.standard_error();
+  EXPECT_FALSE(read_json("s.json")["complete"]);
+  EXPECT_NE(running.standard_output().find("interrupted"), std::string::npos);
+}
+
+TEST_F(BenchCommand, MistakesEndInOneLine) {
+  const std::string wall = path("wall");
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"bench"},
+                                             {"bench", "/nowhere"},
+                                             {"bench", "tables", wall},
+                                             {"bench", wall, "tables"},
+                                             {"bench", "tables", "--pipeline", "fast"},
+                                             {"bench", wall, "--delay", "1s"},
+                                             {"bench", wall, "--pictures", "0"},
+                                             {"bench", wall, "--json", "/nowhere/b.json"},
+                                             {"bench", wall, "--html", wall},
+                                             {"bench", wall, "--from", "#5", "--to", "#2"},
+                                             {"bench", wall, "--fill", "grout"},
+                                             {"bench", "scaling", "--most-megapixels", "many"},
+                                             {"bench", "scaling", "--most-polygons", "-3"}}) {
+    const Finished run = run_foreview(arguments);
+    std::string given;
+    for (const std::string& argument : arguments) given += argument + " ";
+    EXPECT_EQ(run.status, 2) << given << run.err;
+    std::istringstream stream(run.err);
+    int errors = 0;
+    for (std::string line; std::getline(stream, line);) errors += line.starts_with("foreview: ");
+    EXPECT_EQ(errors, 1) << given << run.err;
+  }
+}
+
+/// Tables 7.1-7.4 on a few small pictures.
+TEST_F(BenchCommand, TheTablesOf2005) {
+  const Finished run = run_foreview({"bench", "tables", "--quick", "--pipeline", "per-polygon", "--pictures", "1",
+                                     "--json", path("t.json"), "--html", path("t.html")},
+                                    {{"FOREVIEW_CACHE", path("cache")}});
+  ASSERT_EQ(run.status, 0) << run.err << run.out;
+  const json report = read_json("t.json");
+  ASSERT_EQ(report["tables"].size(), 4U);
+  const std::vector<std::string> ids{"7.1", "7.2", "7.3", "7.4"};
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const json& table = report["tables"][i];
+    EXPECT_EQ(table["id"], ids[i]);
+    for (const json& row : table["rows"]) EXPECT_EQ(row["cells"].size() + 1, table["columns"].size()) << row;
+  }
+  // All variants are measured, and 2005's figures stand beside them.
+  for (std::size_t i = 1; i < ids.size(); ++i) {
+    for (const json& row : report["tables"][i]["rows"]) {
+      for (const json& cell : row["cells"]) EXPECT_FALSE(cell.is_null()) << row;
+    }
+  }
+  EXPECT_EQ(report["tables"][0]["rows"][5]["cells"][0], 66.2);
+  EXPECT_EQ(report["tables"][3]["rows"][6]["cells"][0], 464.7);
+  for (const json& measured : report["runs"]) {
+    EXPECT_TRUE(measured["complete"]);
+    expect_sound(measured);
+  }
+}
+
+}  // namespace
+}  // namespace foreview
