@@ -34,6 +34,7 @@ struct BenchOutput {
   std::string pipeline = "batched";
   std::size_t pictures = 0;
   bool stats = false;
+  bool buffered = false;
   std::filesystem::path json, html, trace;
 };
 
@@ -50,6 +51,10 @@ std::vector<PipelineKind> pipelines_of(const std::string& text) {
   if (text == "batched") return {PipelineKind::batched};
   if (text == "per-polygon") return {PipelineKind::per_polygon};
   throw InputError("--pipeline", "'" + text + "' is none of its values: batched, per-polygon, both");
+}
+
+Publishing publishing_of(const BenchOutput& output) {
+  return output.buffered ? Publishing::buffered : Publishing::direct;
 }
 
 /// Found out at the end, it would cost the whole run.
@@ -76,6 +81,7 @@ void run_and_report(const BenchOutput& output, BenchReport& report, const std::f
 
   report.with_counters = output.stats;
   report.options.emplace_back("pipeline", output.pipeline);
+  report.options.emplace_back("publishing", output.buffered ? "buffered" : "direct");
   report.machine = describe_machine();
   std::fputs((machine_text(report.machine) + "\n").c_str(), stdout);
   std::fflush(stdout);
@@ -143,6 +149,7 @@ void run_tables(const BenchCommand& command) {
   if (command.quick) options.density = 0.1;
   options.keep_spans = !command.output.trace.empty();
   options.counting = command.output.stats;
+  options.publishing = publishing_of(command.output);
   BenchReport report;
   report.kind = "tables";
   report.title = command.quick ? "Tables 7.1-7.4, a quick trial with small pictures: not comparable with 2005"
@@ -169,6 +176,7 @@ void run_scaling(const BenchCommand& command) {
   options.pictures = command.output.pictures;
   options.keep_spans = !command.output.trace.empty();
   options.counting = command.output.stats;
+  options.publishing = publishing_of(command.output);
   BenchReport report;
   report.kind = "scaling";
   report.title = "How the cost of a picture grows";
@@ -198,6 +206,7 @@ void run_recording(const BenchCommand& command) {
   options.pictures = command.output.pictures;
   options.keep_spans = !command.output.trace.empty();
   options.counting = command.output.stats;
+  options.publishing = publishing_of(command.output);
   report.options.emplace_back("recording", command.replay.recording.string());
   report.options.emplace_back("from", command.replay.from);
   report.options.emplace_back("to", command.replay.to);
@@ -232,6 +241,8 @@ void add_output_options(CLI::App& app, BenchOutput& output) {
   app.add_option("--trace", output.trace,
                  "Write CPU and GPU spans of every picture in Chrome's trace-event format; opens in ui.perfetto.dev")
       ->type_name("FILE");
+  app.add_flag("--buffered", output.buffered,
+               "Keep three sets of textures, as a live display needs, so that handing them over is measured, too");
   app.add_flag("--stats", output.stats,
                "Print the counters of each run, too; observed texels are counted in one more run over the pictures");
 }
@@ -248,6 +259,12 @@ void add_bench_command(CLI::App& app) {
   bench.get_option("RECORDING")->required(false);
   for (const char* of_the_view : {"--delay", "--history", "--load-textures", "--save-textures"}) {
     bench.remove_option(bench.get_option(of_the_view));
+  }
+  bench.get_option("--camera")->description("Whose pictures are measured (default: the recording's first camera)");
+  std::vector<const CLI::Option*> only_for_recordings;
+  for (const CLI::Option* option : bench.get_options()) {
+    if (option->get_positional()) continue;
+    if (option != bench.get_help_ptr()) only_for_recordings.push_back(option);
   }
   add_output_options(bench, command->output);
   bench.require_subcommand(0, 1);
@@ -285,10 +302,15 @@ void add_bench_command(CLI::App& app) {
       });
   scaling->footer("Example: foreview bench scaling --most-polygons 10000 --html scaling.html");
 
-  bench.callback([command, &bench, tables, scaling] {
+  bench.callback([command, only_for_recordings, tables, scaling] {
     const bool is_recording = !tables->parsed() && !scaling->parsed();
     if (!is_recording && !command->replay.recording.empty()) {
       throw InputError("bench", "expected either tables, scaling or a RECORDING, not two of them");
+    }
+    for (const CLI::Option* option : only_for_recordings) {
+      if (!is_recording && option->count() > 0) {
+        throw InputError(option->get_name(), "is only for bench RECORDING, not for bench tables or scaling");
+      }
     }
     if (tables->parsed()) {
       run_tables(*command);

@@ -171,6 +171,12 @@ void measure(const BenchRequest& request, TextureStore& store, BenchPictures& pi
   run.complete = true;
 }
 
+std::unique_ptr<TextureStore> make_store(const PolygonModel& model, const BenchRequest& request) {
+  ChartOptions charts = request.charts;
+  charts.memory_budget /= set_count(request.publishing);
+  return std::make_unique<TextureStore>(model, lay_out_charts(model, charts), request.publishing);
+}
+
 std::size_t pictures_to_extract(const BenchRequest& request, std::size_t pictures) {
   const std::size_t runs = (request.totals ? 1U : 0U) + (request.steps ? 1U : 0U) + (request.counting ? 1U : 0U);
   return std::min(pictures, kWarmUpPictures) + runs * pictures;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct BenchRequest {
   PipelineKind pipeline = PipelineKind::batched;
   ExtractionOptions extraction;
   ChartOptions charts;
+  Publishing publishing = Publishing::direct;
   bool totals = true;       ///< measure what pictures cost without per-step waits
   bool steps = true;        ///< measure the steps, in a run of their own
   bool keep_spans = false;  ///< for a trace
@@ -69,6 +71,9 @@ struct BenchRun {
 /// passes through. Needs a current GL context.
 void measure(const BenchRequest& request, TextureStore& store, BenchPictures& pictures, BenchRun& run,
              const std::function<void()>& tick = {});
+
+/// A store laid out as the request says, within its memory budget with all sets of textures.
+[[nodiscard]] std::unique_ptr<TextureStore> make_store(const PolygonModel& model, const BenchRequest& request);
 
 /// Pictures that measure() extracts, for a progress bar.
 [[nodiscard]] std::size_t pictures_to_extract(const BenchRequest& request, std::size_t pictures);

@@ -124,6 +124,7 @@ void measure_recording(const RecordingBenchOptions& options, BenchReport& report
     request.pipeline = pipeline;
     request.extraction = options.replay.extraction;
     request.charts = charts_for(pipeline, input.charts);
+    request.publishing = options.publishing;
     request.keep_spans = options.keep_spans;
     request.counting = options.counting;
     pictures.push_back(pictures_of(input.recording, input.model, input.camera, from, to,
@@ -153,8 +154,8 @@ void measure_recording(const RecordingBenchOptions& options, BenchReport& report
     BenchRun& run = report.runs.emplace_back();
     measured.push_back(&run);
     try {
-      TextureStore store(input.model, lay_out_charts(input.model, requests[i].charts));
-      measure(requests[i], store, pictures[i], run, tick);
+      const std::unique_ptr<TextureStore> store = make_store(input.model, requests[i]);
+      measure(requests[i], *store, pictures[i], run, tick);
     } catch (...) {
       write();
       throw;

@@ -11,6 +11,7 @@ struct RecordingBenchOptions {
   ReplayOptions replay;  ///< recording, scene, camera, from, to, extraction, density, max_texels
   std::vector<PipelineKind> pipelines{PipelineKind::batched};
   std::size_t pictures = 0;  ///< spread evenly over from..to; 0: all for the batched pipeline, 20 for the other
+  Publishing publishing = Publishing::direct;
   bool keep_spans = false;
   bool counting = false;
 };

@@ -97,10 +97,9 @@ class Scaling {
  private:
   /// Says in the report why this pipeline is not measured.
   void refuse(const PolygonModel& model) {
-    const ChartOptions charts = room_charts(pipeline_, kUsualDensity);
-    TextureStore store(model, lay_out_charts(model, charts));
+    const BenchRequest one = request("room", room_charts(pipeline_, kUsualDensity));
     BenchPictures none = room_pictures(room_camera(0.01), 0);
-    measure(request("room", charts), store, none, report_.runs.emplace_back());
+    measure(one, *make_store(model, one), none, report_.runs.emplace_back());
   }
 
   void begin_curve(const char* id, const std::string& title, const char* x_label) {
@@ -116,6 +115,7 @@ class Scaling {
     result.subject = subject;
     result.pipeline = pipeline_;
     result.charts = charts;
+    result.publishing = options_.publishing;
     result.steps = options_.keep_spans;
     result.keep_spans = options_.keep_spans;
     result.counting = options_.counting;
@@ -130,13 +130,13 @@ class Scaling {
     ScalingCurve& curve = report_.curves.back();
     const double begun = bench_clock_ms();
     const std::string name = text_of("%s %zu", curve.id.c_str(), curve.points.size() + 1);
-    ChartOptions charts = room_charts(pipeline_, density);
-    TextureStore store(model, lay_out_charts(model, charts));
+    const BenchRequest point =
+        request(text_of("room of %zu polygons", model.polygons().size()), room_charts(pipeline_, density));
+    const std::unique_ptr<TextureStore> store = make_store(model, point);
     BenchPictures pictures = room_pictures(room_camera(megapixels), this->pictures());
     const std::size_t index = report_.runs.size();
     BenchRun& run = report_.runs.emplace_back();
-    measure(request(text_of("room of %zu polygons", model.polygons().size()), charts), store, pictures, run,
-            [&] { tick_(name); });
+    measure(point, *store, pictures, run, [&] { tick_(name); });
     if (!run.unsupported.empty()) return false;
     curve.points.push_back({x.value_or(1e-6 * mean_texels(run)), quantiles_of(run.total_ms()), index});
     // Steps of the sizes are of a factor of four or less.
@@ -162,13 +162,12 @@ class Scaling {
 
   /// Texels that a picture is seen to write, mean of a few pictures.
   double texels_written(const PolygonModel& model, double density, double megapixels) {
-    const ChartOptions charts = room_charts(pipeline_, density);
-    TextureStore store(model, lay_out_charts(model, charts));
+    BenchRequest one = request("equal texels", room_charts(pipeline_, density));
+    const std::unique_ptr<TextureStore> store = make_store(model, one);
     BenchPictures pictures = room_pictures(room_camera(megapixels), this->pictures());
-    BenchRequest one = request("equal texels", charts);
     one.steps = one.keep_spans = one.counting = false;
     BenchRun run;
-    measure(one, store, pictures, run, [&] { tick_("equal texels"); });
+    measure(one, *store, pictures, run, [&] { tick_("equal texels"); });
     return mean_texels(run);
   }
 
@@ -202,8 +201,7 @@ class Scaling {
     std::array<double, 2> written{}, visible{};
     for (std::size_t i = 0; i < 2; ++i) {
       densities[i] = equal_density(rooms[i], megapixels);
-      const ChartOptions charts = room_charts(pipeline_, densities[i]);
-      stores[i] = std::make_unique<TextureStore>(rooms[i], lay_out_charts(rooms[i], charts));
+      stores[i] = make_store(rooms[i], request("", room_charts(pipeline_, densities[i])));
     }
     std::array<std::vector<double>, 2> ms;
     for (int turn = 0; turn < kPairTurns; ++turn) {

@@ -13,6 +13,7 @@ struct ScalingOptions {
   std::size_t most_polygons = 100'000;
   double most_megapixels = 8.3;
   double point_seconds = 60;  ///< a curve ends before a point that the points so far let expect to take longer
+  Publishing publishing = Publishing::direct;
   bool keep_spans = false;
   bool counting = false;
 };

@@ -76,12 +76,13 @@ void set_size(BenchRequest& request, double density, int max_texels, double scal
   request.charts.max_texels = std::max(8, static_cast<int>(max_texels * scale));
 }
 
-BenchRequest basic_request(const BenchSubject& subject, PipelineKind pipeline, double scale) {
+BenchRequest basic_request(const BenchSubject& subject, PipelineKind pipeline, const TablesOptions& options) {
   BenchRequest request;
   request.subject = subject.name;
   request.pipeline = pipeline;
   request.charts = charts_for(pipeline, subject.charts);
-  set_size(request, kDensity2005, kMaxTexels2005, scale);
+  set_size(request, kDensity2005, kMaxTexels2005, options.density);
+  request.publishing = options.publishing;
   request.seconds = kSecondsPerRun;
   request.totals = request.steps = false;
   return request;
@@ -119,8 +120,7 @@ class Tables {
       if (!pictures.contains(key)) pictures.emplace(key, one.subject->pictures(one.pictures));
       if (stored_for == nullptr || !same_store(*stored_for, one)) {
         store.reset();
-        store = std::make_unique<TextureStore>(*one.subject->model,
-                                               lay_out_charts(*one.subject->model, one.request.charts));
+        store = make_store(*one.subject->model, one.request);
       }
       stored_for = &one;
       one.run = report_.runs.size();
@@ -144,14 +144,14 @@ class Tables {
     return fill == HoleFilling::iterative ? std::min(count, kIterativePictures) : count;
   }
   BenchRequest filling_request(std::size_t subject, PipelineKind pipeline, const Filling2005& filling) const {
-    BenchRequest request = basic_request(*subjects_[subject], pipeline, options_.density);
+    BenchRequest request = basic_request(*subjects_[subject], pipeline, options_);
     request.extraction.fill = filling.fill;
     request.extraction.occlusion_query = filling.query;
     request.steps = true;
     return request;
   }
   BenchRequest size_request(PipelineKind pipeline, const Size2005& size) const {
-    BenchRequest request = basic_request(*subjects_[0], pipeline, options_.density);
+    BenchRequest request = basic_request(*subjects_[0], pipeline, options_);
     set_size(request, size.density, size.max_texels, options_.density);
     request.totals = true;
     return request;
@@ -160,7 +160,7 @@ class Tables {
   void plan_for(PipelineKind pipeline) {
     const std::size_t count = pictures_for(pipeline);
     // First what several tables use; cases with the same textures one after the other.
-    BenchRequest base = basic_request(*subjects_[0], pipeline, options_.density);
+    BenchRequest base = basic_request(*subjects_[0], pipeline, options_);
     base.totals = base.steps = true;
     base.keep_spans = options_.keep_spans;
     base.counting = options_.counting;
@@ -192,7 +192,7 @@ class Tables {
     return run.unsupported.empty() ? &run : nullptr;
   }
   const BenchRun* base_run(PipelineKind pipeline) {
-    return run_of(0, basic_request(*subjects_[0], pipeline, options_.density), pictures_for(pipeline));
+    return run_of(0, basic_request(*subjects_[0], pipeline, options_), pictures_for(pipeline));
   }
   /// Says how many pictures are behind it where that is not the usual number.
   static BenchCell counted(BenchCell cell, std::size_t usual) {
@@ -331,7 +331,7 @@ BenchTable Tables::suppression_table() {
     for (std::size_t i = 0; i < printed.size(); ++i) table.rows[i].cells.push_back(BenchCell::printed(printed[i]));
     for (const PipelineKind pipeline : options_.pipelines) {
       table.columns.emplace_back(to_string(pipeline));
-      const BenchRequest base = basic_request(*subjects_[0], pipeline, options_.density);
+      const BenchRequest base = basic_request(*subjects_[0], pipeline, options_);
       const BenchRun* without = run_of(0, suppressing(base, rule, 0), pictures_for(pipeline));
       table.rows[0].cells.push_back(without == nullptr ? BenchCell::note("-") : BenchCell::single(0));
       for (std::size_t i = 0; i < kPasses.size(); ++i) {

@@ -20,7 +20,8 @@ struct TablesOptions {
   std::vector<PipelineKind> pipelines{PipelineKind::batched};
   std::size_t pictures = 0;  ///< per measurement; 0: kTablesPictures of the pipeline
   double density = 1;        ///< all densities and largest textures of the tables times this: 1, or less for a trial
-  bool keep_spans = false;   ///< of tables 7.1's runs
+  Publishing publishing = Publishing::direct;
+  bool keep_spans = false;  ///< of tables 7.1's runs
   bool counting = false;
 };
 [[nodiscard]] std::size_t default_table_pictures(PipelineKind pipeline);

@@ -156,6 +156,8 @@ TEST_F(BenchCommand, MistakesEndInOneLine) {
                                              {"bench", "tables", wall},
                                              {"bench", wall, "tables"},
                                              {"bench", "tables", "--pipeline", "fast"},
+                                             {"bench", "--density", "100", "tables"},
+                                             {"bench", "--from", "#2", "scaling"},
                                              {"bench", wall, "--delay", "1s"},
                                              {"bench", wall, "--pictures", "0"},
                                              {"bench", wall, "--json", "/nowhere/b.json"},
@@ -173,6 +175,20 @@ TEST_F(BenchCommand, MistakesEndInOneLine) {
     for (std::string line; std::getline(stream, line);) errors += line.starts_with("foreview: ");
     EXPECT_EQ(errors, 1) << given << run.err;
   }
+}
+
+TEST_F(BenchCommand, HandingTexturesOverIsMeasuredWhereTheyAreBuffered) {
+  const std::vector<std::string> arguments{"bench",     path("wall"), "--pipeline", "per-polygon",
+                                           "--density", "40",         "--stats",    "--json"};
+  std::vector<std::string> direct = arguments, buffered = arguments;
+  direct.push_back(path("direct.json"));
+  buffered.insert(buffered.end(), {path("buffered.json"), "--buffered"});
+  ASSERT_EQ(run_foreview(direct).status, 0);
+  ASSERT_EQ(run_foreview(buffered).status, 0);
+  const json one = read_json("direct.json"), three = read_json("buffered.json");
+  EXPECT_EQ(three["options"]["publishing"], "buffered");
+  EXPECT_EQ(three["runs"][0]["counters"]["texture_bytes"], 3 * one["runs"][0]["counters"]["texture_bytes"].get<long>());
+  expect_sound(three["runs"][0]);
 }
 
 /// Tables 7.1-7.4 on a few small pictures.
