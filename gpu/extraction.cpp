@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "foreview/gpu/batched/batched_extraction.h"
 #include "foreview/gpu/per_polygon/per_polygon_extraction.h"
 #include "foreview/gpu/texture_store.h"
 #include "foreview/scene/errors.h"
@@ -50,8 +51,13 @@ ExtractionStatistics& ExtractionStatistics::operator+=(const ExtractionStatistic
 std::unique_ptr<ExtractionPipeline> make_extraction_pipeline(PipelineKind kind, TextureStore& store,
                                                              const ChartOptions& charts,
                                                              const ExtractionOptions& options) {
-  static_cast<void>(kind);
-  return std::make_unique<PerPolygonExtraction>(store, charts, options);
+  switch (kind) {
+    case PipelineKind::per_polygon:
+      return std::make_unique<PerPolygonExtraction>(store, charts, options);
+    case PipelineKind::batched:
+      break;
+  }
+  return std::make_unique<BatchedExtraction>(store, options);
 }
 
 namespace {

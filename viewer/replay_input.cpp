@@ -94,7 +94,7 @@ ChartOptions chart_options_for(const ReplayOptions& options, const Recording& re
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
   charts.page_size = std::min(charts.page_size, static_cast<int>(limit));
-  charts.group_polygons = false;
+  charts.group_polygons = options.pipeline == PipelineKind::batched;
   return charts;
 }
 

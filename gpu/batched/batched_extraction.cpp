@@ -1,0 +1,200 @@
+#include "foreview/gpu/batched/batched_extraction.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "foreview/gpu/batched/chart_geometry.h"
+#include "foreview/gpu/batched/chart_pyramid.h"
+#include "foreview/gpu/batched/chart_tables.h"
+#include "foreview/gpu/batched/gatherer.h"
+#include "foreview/gpu/batched/page_targets.h"
+#include "foreview/gpu/batched/patch_lists.h"
+#include "foreview/gpu/batched/picture_bounds.h"
+#include "foreview/gpu/batched/picture_setup.h"
+#include "foreview/gpu/step_clock.h"
+#include "foreview/gpu/undistorter.h"
+#include "foreview/scene/errors.h"
+
+namespace foreview {
+
+using namespace batched;
+
+namespace {
+
+const ExtractionOptions& validated(const ExtractionOptions& options) {
+  options.validate();
+  if (options.artefacts != ArtefactSuppression::diamond && options.artefacts != ArtefactSuppression::none) {
+    throw InputError("--artefacts",
+                     "is a variant of the per-polygon pipeline only (--pipeline per-polygon); expected "
+                     "diamond or none");
+  }
+  if (options.fill != HoleFilling::pyramid) {
+    throw InputError("--fill",
+                     "is a variant of the per-polygon pipeline only (--pipeline per-polygon); expected pyramid");
+  }
+  return options;
+}
+
+}  // namespace
+
+struct BatchedExtraction::State {
+  State(TextureStore& store_, const ExtractionOptions& options_)
+      : store(store_),
+        options(validated(options_)),
+        geometry(store.model(), store.layout()),
+        tables(store.layout(), geometry),
+        setup(store.model(), store.layout(), geometry),
+        bounds(geometry),
+        patches(geometry, tables, store.layout().page_size),
+        pages(store),
+        gatherer(geometry, store.layout()),
+        pyramid(store, tables, patches, pages),
+        newest(store.layout().groups.size()),
+        is_late(store.layout().groups.size()) {}
+
+  /// Which of the picture's charts have been written from a newer one; of the others it is the newest from now on.
+  void compare_stamps(Timestamp stamp) {
+    for (const std::uint32_t chart : setup.charts()) {
+      is_late[chart] = newest[chart] && stamp < *newest[chart];
+      if (!is_late[chart]) newest[chart] = stamp;
+    }
+  }
+
+  TextureStore& store;
+  ExtractionOptions options;
+  ChartGeometry geometry;
+  ChartTables tables;
+  PictureSetup setup;
+  Undistorter undistorter;
+  PictureBounds bounds;
+  PatchLists patches;
+  PageTargets pages;
+  Gatherer gatherer;
+  ChartPyramid pyramid;
+  std::vector<std::optional<Timestamp>> newest;  ///< by chart
+  std::vector<bool> is_late;                     ///< by chart, of the current picture
+  std::vector<std::uint32_t> touched;            ///< polygons
+  CameraModel last_camera;
+  ExtractionTiming timing = ExtractionTiming::off;
+  bool counting = false;
+};
+
+BatchedExtraction::BatchedExtraction(TextureStore& store, const ExtractionOptions& options)
+    : state_(std::make_unique<State>(store, options)) {}
+BatchedExtraction::~BatchedExtraction() = default;
+
+ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
+  State& s = *state_;
+  const CameraModel& camera = frame.camera;
+  const double near_plane = s.options.near_plane;
+  ExtractionStatistics statistics;
+  StepClock clock(s.timing);
+  check_frame(frame, s.store.model());
+  s.undistorter.load(frame.picture, camera, "picture at " + frame.state.stamp.to_string() + " s");
+  clock.lap(ExtractionStep::upload);
+  s.store.wait_for_free_set();
+  static_cast<void>(s.store.begin_picture());
+  clock.lap(ExtractionStep::publishing);
+
+  s.setup.prepare(camera, frame.state, near_plane);
+  s.compare_stamps(frame.state.stamp);
+  s.setup.bind();
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+  clock.lap(ExtractionStep::projection);
+
+  s.bounds.make_room(camera.width, camera.height);
+  s.bounds.draw_surfaces(camera, near_plane);
+  clock.lap(ExtractionStep::occlusion);
+  const bool suppressing = s.options.artefacts != ArtefactSuppression::none && s.options.passes > 0;
+  if (suppressing) s.bounds.spread_rims(camera, s.options.passes);
+  clock.lap(ExtractionStep::suppression);
+  s.bounds.bound_cells(camera, suppressing, camera.is_distorted() ? s.undistorter.texture() : 0);
+  s.patches.touch(s.setup.charts(), camera, near_plane, s.bounds);
+  clock.lap(ExtractionStep::occlusion);
+  s.gatherer.gather(s.setup, s.is_late, camera, near_plane, s.undistorter.texture(), s.bounds, s.patches,
+                    s.pages.level(0).targets);
+  clock.lap(ExtractionStep::normalisation);
+  s.pyramid.pull(s.setup.charts());
+  s.pyramid.push();
+  clock.lap(ExtractionStep::filling);
+  s.pyramid.write_states(s.store.polygon_states());
+  s.store.spread_to_never_seen(TextureStore::kRimsPerPicture);
+  clock.lap(ExtractionStep::other);
+
+  s.touched.clear();
+  for (const std::uint32_t chart : s.setup.charts()) {
+    const auto members = s.store.layout().members_of(s.store.layout().groups[chart]);
+    s.touched.insert(s.touched.end(), members.begin(), members.end());
+  }
+  s.store.end_picture(s.touched);
+  clock.lap(ExtractionStep::publishing);
+  s.last_camera = camera;
+
+  statistics.polygons_visible = s.setup.visible().size();
+  statistics.polygons_skipped_back_face = s.setup.back_faces();
+  statistics.polygons_skipped_outside = s.setup.outside();
+  statistics.charts_touched = s.setup.charts().size();
+  statistics.texels_written = s.gatherer.texels();
+  statistics.draw_calls = s.bounds.take_draws() + s.patches.take_draws() + s.gatherer.take_draws() +
+                          s.pyramid.take_draws() + (camera.is_distorted() ? 1 : 0);
+  statistics.passes = statistics.draw_calls;
+  clock.report(statistics);
+  if (s.counting) {
+    const auto lengths = s.patches.lengths();
+    statistics.texels_filled = lengths[PatchLists::renewed] * kPatchTexels * kPatchTexels;
+    statistics.texels_written =
+        std::min(statistics.texels_written, lengths[PatchLists::touched] * std::size_t{kPatchTexels} * kPatchTexels);
+    statistics.texels_observed = s.store.count_observed_texels();
+  }
+  return statistics;
+}
+
+void BatchedExtraction::clear() {
+  State& s = *state_;
+  s.store.clear();
+  s.pyramid.clear();
+  std::ranges::fill(s.newest, std::nullopt);
+}
+
+void BatchedExtraction::adopt_store() {
+  State& s = *state_;
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+  std::vector<std::uint32_t> charts(s.store.layout().groups.size());
+  for (std::uint32_t i = 0; i < charts.size(); ++i) charts[i] = i;
+  s.patches.touch_all();
+  s.pyramid.pull(charts);
+  std::ranges::fill(s.newest, std::nullopt);
+}
+
+void BatchedExtraction::set_timing(ExtractionTiming timing) {
+  state_->timing = timing;
+}
+
+void BatchedExtraction::set_counting(bool on) {
+  state_->counting = on;
+}
+
+BatchedExtraction::Intermediate BatchedExtraction::intermediate() const {
+  const State& s = *state_;
+  const int width = s.last_camera.width, height = s.last_camera.height;
+  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+  return {s.bounds.read_surfaces(width, height), s.bounds.read_unsafe(width, height),
+          s.bounds.read_cells(width, height), s.undistorter.read()};
+}
+
+std::vector<cv::Mat> BatchedExtraction::pulled(int level) const {
+  return state_->pyramid.read_pulled(level);
+}
+
+}  // namespace foreview

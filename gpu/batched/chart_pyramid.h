@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <utility>
+#include <vector>
+
+#include "foreview/gpu/batched/chart_tables.h"
+#include "foreview/gpu/batched/page_targets.h"
+#include "foreview/gpu/batched/patch_lists.h"
+#include "foreview/gpu/gl_objects.h"
+
+namespace foreview::batched {
+
+/// Rules 6 to 8 of BatchedExtraction: fills the holes of charts and makes their levels, from the pyramids of what was
+/// observed in them.
+class ChartPyramid {
+ public:
+  ChartPyramid(const TextureStore& store, const ChartTables& tables, PatchLists& patches, PageTargets& pages);
+  void clear();
+  /// Rule 6 for the touched patches, then for `charts` up to their tips.
+  void pull(const std::vector<std::uint32_t>& charts);
+  /// Rule 7 for the charts named to pull() last. PatchLists::touch() must have named them too.
+  void push();
+  /// Rule 8, for all polygons.
+  void write_states(GLuint polygon_states);
+  [[nodiscard]] std::size_t take_draws() { return std::exchange(draws_, 0); }
+  /// CV_8UC4 BGRA, one a page; level 1..4.
+  [[nodiscard]] std::vector<cv::Mat> read_pulled(int level) const;
+
+ private:
+  struct Texture {
+    GlTexture texture;
+    LayerTargets targets;
+    int width = 0, height = 0, layers = 0;
+  };
+  [[nodiscard]] Texture make(int level) const;
+  void draw_charts(int level, int other_level, const Texture& into);
+
+  const TextureStore& store_;
+  const ChartTables& tables_;
+  PatchLists& patches_;
+  PageTargets& pages_;
+  GlProgram pull_, pull_tip_, push_tip_, push_last_, push_, push_base_, states_;
+  /// By level, up to the tip: what was observed (from 1 on), and the fill (from 4 on). Up to 4 in the pages' layout.
+  std::vector<Texture> pulled_, filled_;
+  GlBuffer chart_list_;
+  GlVertexArray no_vertices_;
+  GlSampler linear_;
+  GLsizei charts_ = 0;
+  std::size_t draws_ = 0;
+};
+
+}  // namespace foreview::batched

@@ -1,0 +1,100 @@
+#include "foreview/gpu/batched/gatherer.h"
+
+#include <algorithm>
+#include <string>
+
+namespace foreview::batched {
+namespace {
+
+constexpr GLenum kClipDistances = 5;
+
+}  // namespace
+
+Gatherer::Gatherer(const ChartGeometry& geometry, const ChartLayout& layout)
+    : geometry_(geometry),
+      layout_(layout),
+      one_sample_(make_program("batched_gather.vert.glsl", "batched_gather.frag.glsl", layer_defines())),
+      footprint_(make_program("batched_gather.vert.glsl", "batched_gather.frag.glsl",
+                              (std::string(layer_defines()) + "#define FOOTPRINT\n").c_str())),
+      index_buffer_(GlBuffer::create()),
+      linear_(GlSampler::create()) {
+  glNamedBufferStorage(
+      index_buffer_.id(),
+      static_cast<GLsizeiptr>(std::max<std::size_t>(geometry.chart_indices().size(), 1) * sizeof(std::uint32_t)),
+      nullptr, GL_DYNAMIC_STORAGE_BIT);
+  glSamplerParameteri(linear_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glSamplerParameteri(linear_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera,
+                      double near_plane, GLuint undistorted, const PictureBounds& bounds, const PatchLists& patches,
+                      const LayerTargets& into) {
+  if (camera.width < 2 || camera.height < 2) return;
+  // Gutters first: a polygon's own texels win over them. One class after the other; late ones fill only, and close
+  // ones take several samples.
+  indices_.clear();
+  texels_ = 0;
+  std::size_t ends[4] = {};
+  const std::vector<PictureSetup::Visible>& visible = setup.visible();
+  for (std::size_t kind = 0; kind < 4; ++kind) {
+    const auto add = [&](bool own) {
+      for (const auto& [polygon, is_close] : visible) {
+        if ((is_late[layout_.charts[polygon].group] ? 2U : 0U) + (is_close ? 1U : 0U) != kind) continue;
+        const ChartGeometry::Range& range =
+            own ? geometry_.own_triangles(polygon) : geometry_.gutter_triangles(polygon);
+        const auto begin = geometry_.chart_indices().begin() + range.first;
+        indices_.insert(indices_.end(), begin, begin + range.count);
+        if (own) texels_ += static_cast<std::size_t>(geometry_.texels(polygon));
+      }
+    };
+    add(false);
+    add(true);
+    ends[kind] = indices_.size();
+  }
+  glNamedBufferSubData(index_buffer_.id(), 0, static_cast<GLsizeiptr>(indices_.size() * sizeof(std::uint32_t)),
+                       indices_.data());
+  GLint room_width = 0, room_height = 0;
+  glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_WIDTH, &room_width);
+  glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_HEIGHT, &room_height);
+  glBindTextureUnit(0, undistorted);
+  glBindSampler(0, linear_.id());
+  glBindTextureUnit(1, bounds.cells());
+  glVertexArrayElementBuffer(geometry_.vertex_array(), index_buffer_.id());
+  glBindVertexArray(geometry_.vertex_array());
+  for (GLenum i = 0; i < kClipDistances; ++i) glEnable(GL_CLIP_DISTANCE0 + i);
+  glViewport(0, 0, layout_.page_size, layout_.page_size);
+  std::size_t first = 0;
+  for (std::size_t kind = 0; kind < 4; ++kind) {
+    const std::size_t count = ends[kind] - first;
+    if (count == 0) continue;
+    glUseProgram(kind & 1 ? footprint_.id() : one_sample_.id());
+    glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
+    glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
+    glUniform2f(2, static_cast<float>(camera.width), static_cast<float>(camera.height));
+    glUniform1f(3, static_cast<float>(near_plane));
+    glUniform1f(4, 2.0F / static_cast<float>(layout_.page_size));
+    glUniform2i(5, camera.width - 2, camera.height - 2);
+    glUniform2f(6, 1.0F / static_cast<float>(room_width), 1.0F / static_cast<float>(room_height));
+    glUniform1ui(7, patches.picture_number());
+    if (kind & 2) {
+      glEnable(GL_BLEND);
+      glBlendFuncSeparate(GL_ONE_MINUS_DST_ALPHA, GL_DST_ALPHA, GL_ONE, GL_ONE);
+    }
+    for (std::size_t page = 0; page < into.size(); ++page) {
+      glUniform1i(8, static_cast<GLint>(page));
+      glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into[page].id());
+      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
+      ++draws_;
+    }
+    first = ends[kind];
+  }
+  glDisable(GL_BLEND);
+  for (GLenum i = 0; i < kClipDistances; ++i) glDisable(GL_CLIP_DISTANCE0 + i);
+  glBindSampler(0, 0);
+  glBindVertexArray(0);
+}
+
+}  // namespace foreview::batched

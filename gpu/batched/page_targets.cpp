@@ -1,0 +1,41 @@
+#include "foreview/gpu/batched/page_targets.h"
+
+namespace foreview::batched {
+
+bool can_draw_layers() {
+  return epoxy_has_gl_extension("GL_ARB_shader_viewport_layer_array");
+}
+
+const char* layer_defines() {
+  return can_draw_layers() ? "#define LAYERED\n" : "";
+}
+
+LayerTargets make_layer_targets(GLuint texture, int layers, int level) {
+  LayerTargets targets;
+  if (can_draw_layers()) {
+    targets.push_back(make_framebuffer(texture, 0, level));
+  } else {
+    for (int layer = 0; layer < layers; ++layer) targets.push_back(make_layer_framebuffer(texture, layer, level));
+  }
+  return targets;
+}
+
+const PageTargets::Level& PageTargets::level(int level) {
+  const auto [found, is_new] = sets_.try_emplace(store_.pages());
+  std::vector<Level>& levels = found->second;
+  if (is_new) {
+    const std::uint32_t pages = store_.layout().pages;
+    for (GLuint i = 0; i < kChartLevels; ++i) {
+      GLuint view = 0;
+      glGenTextures(1, &view);
+      glTextureView(view, GL_TEXTURE_2D_ARRAY, store_.pages(), GL_RGBA8, i, 1, 0, pages);
+      glTextureParameteri(view, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+      glTextureParameteri(view, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+      levels.push_back(
+          {GlTexture(view), make_layer_targets(store_.pages(), static_cast<int>(pages), static_cast<int>(i))});
+    }
+  }
+  return levels[static_cast<std::size_t>(level)];
+}
+
+}  // namespace foreview::batched

@@ -1,0 +1,132 @@
+#include "foreview/gpu/batched/patch_lists.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace foreview::batched {
+namespace {
+
+constexpr GLuint kVerticesPerPatch = 6;
+
+GlBuffer make_buffer(std::size_t bytes) {
+  GlBuffer buffer = GlBuffer::create();
+  glNamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, 16)), nullptr,
+                       GL_DYNAMIC_STORAGE_BIT);
+  return buffer;
+}
+
+GLuint groups_of_64(std::size_t invocations) {
+  return static_cast<GLuint>((invocations + 63) / 64);
+}
+
+}  // namespace
+
+PatchLists::PatchLists(const ChartGeometry& geometry, const ChartTables& tables, int page_size)
+    : geometry_(geometry),
+      tables_(tables),
+      page_size_(page_size),
+      touch_(make_compute_program("batched_touch.comp.glsl")),
+      renew_(make_compute_program("batched_renew.comp.glsl")),
+      flags_(make_buffer(geometry.patches().size() * sizeof(GLuint))),
+      commands_(make_buffer(3 * sizeof(DrawCommand))),
+      lists_(make_buffer(3 * geometry.patches().size() * sizeof(GLuint))),
+      candidate_buffer_(make_buffer(geometry.patches().size() * sizeof(GLuint))),
+      no_vertices_(GlVertexArray::create()) {
+  glClearNamedBufferData(flags_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+}
+
+void PatchLists::bind() const {
+  tables_.bind();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, commands_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, lists_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, candidate_buffer_.id());
+}
+
+void PatchLists::set_commands(const std::array<DrawCommand, 3>& commands) {
+  glNamedBufferSubData(commands_.id(), 0, sizeof commands, commands.data());
+}
+
+void PatchLists::touch(const std::vector<std::uint32_t>& charts, const CameraModel& camera, double near_plane,
+                       const PictureBounds& bounds) {
+  ++picture_number_;
+  candidates_.clear();
+  for (const std::uint32_t chart : charts) {
+    const ChartGeometry::Range& range = geometry_.patches_of(chart);
+    for (std::uint32_t i = 0; i < range.count; ++i) candidates_.push_back(range.first + i);
+  }
+  glNamedBufferSubData(candidate_buffer_.id(), 0, static_cast<GLsizeiptr>(candidates_.size() * sizeof(GLuint)),
+                       candidates_.data());
+  set_commands({});
+  bind();
+  if (candidates_.empty()) return;
+  glUseProgram(touch_.id());
+  glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
+  glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
+  glUniform2f(2, static_cast<float>(camera.width), static_cast<float>(camera.height));
+  glUniform1f(3, static_cast<float>(near_plane));
+  glUniform1ui(4, static_cast<GLuint>(candidates_.size()));
+  glUniform1ui(5, picture_number_);
+  glUniform1ui(6, static_cast<GLuint>(geometry_.patches().size()));
+  glBindTextureUnit(0, bounds.coarse_cells());
+  glDispatchCompute(groups_of_64(candidates_.size()), 1, 1);
+  ++draws_;
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+}
+
+void PatchLists::touch_all() {
+  ++picture_number_;
+  candidates_.resize(geometry_.patches().size());
+  std::iota(candidates_.begin(), candidates_.end(), 0U);
+  glNamedBufferSubData(lists_.id(), 0, static_cast<GLsizeiptr>(candidates_.size() * sizeof(GLuint)),
+                       candidates_.data());
+  std::array<DrawCommand, 3> commands;
+  commands[touched].count = static_cast<GLuint>(candidates_.size()) * kVerticesPerPatch;
+  set_commands(commands);
+  bind();
+}
+
+void PatchLists::renew(GLuint filled, GLuint pulled, GLuint pages) {
+  if (candidates_.empty()) return;
+  bind();
+  glUseProgram(renew_.id());
+  glUniform1ui(4, static_cast<GLuint>(candidates_.size()));
+  glUniform1ui(5, picture_number_);
+  glUniform1ui(6, static_cast<GLuint>(geometry_.patches().size()));
+  glBindTextureUnit(0, filled);
+  glBindTextureUnit(1, pulled);
+  glBindImageTexture(0, pages, kChartLevels - 1, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
+  glDispatchCompute(groups_of_64(candidates_.size()), 1, 1);
+  ++draws_;
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                  GL_FRAMEBUFFER_BARRIER_BIT);
+}
+
+void PatchLists::draw(List list, int level, const LayerTargets& into) {
+  const int size = page_size_ >> level;
+  glBindVertexArray(no_vertices_.id());
+  glViewport(0, 0, size, size);
+  glUniform1ui(0, list);
+  glUniform1ui(1, static_cast<GLuint>(geometry_.patches().size()));
+  glUniform1i(2, level);
+  glUniform1f(3, 2.0F / static_cast<float>(size));
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.id());
+  for (std::size_t page = 0; page < into.size(); ++page) {
+    glUniform1i(4, static_cast<GLint>(page));
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into[page].id());
+    glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(list * sizeof(DrawCommand)));
+    ++draws_;
+  }
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+}
+
+std::array<std::size_t, 3> PatchLists::lengths() const {
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::array<DrawCommand, 3> commands;
+  glGetNamedBufferSubData(commands_.id(), 0, sizeof commands, commands.data());
+  std::array<std::size_t, 3> lengths{};
+  for (std::size_t i = 0; i < lengths.size(); ++i) lengths[i] = commands[i].count / kVerticesPerPatch;
+  return lengths;
+}
+
+}  // namespace foreview::batched

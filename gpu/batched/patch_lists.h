@@ -1,0 +1,61 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "foreview/gpu/batched/chart_geometry.h"
+#include "foreview/gpu/batched/chart_tables.h"
+#include "foreview/gpu/batched/page_targets.h"
+#include "foreview/gpu/batched/picture_bounds.h"
+#include "foreview/gpu/gl_objects.h"
+
+namespace foreview::batched {
+
+/// The patches that a picture concerns, listed by the GPU for the GPU: nobody waits for the lists.
+class PatchLists {
+ public:
+  enum List : GLuint {
+    touched = 0,  ///< texels may have changed
+    renewed = 1,  ///< levels 1 to 3 must be made anew
+    holed = 2,    ///< of those, with holes at level 0
+  };
+
+  PatchLists(const ChartGeometry& geometry, const ChartTables& tables, int page_size);
+  /// Begins a picture: lists as touched, of the patches of `charts`, those that may take something from it.
+  /// PictureSetup must be bound.
+  void touch(const std::vector<std::uint32_t>& charts, const CameraModel& camera, double near_plane,
+             const PictureBounds& bounds);
+  /// Lists all patches there are as touched.
+  void touch_all();
+  /// After touch(): lists what must be filled anew, and gives level 4 of `pages` its colours. `filled` and `pulled` are
+  /// level 4 of the fill (alpha 1: changed) and of what was observed.
+  void renew(GLuint filled, GLuint pulled, GLuint pages);
+  /// Draws a list's patches as squares at a level of the pages with the program in use, into all pages. Locations 0 to
+  /// 4 of its uniforms are batched_patch.vert.glsl's.
+  void draw(List list, int level, const LayerTargets& into);
+  /// Binds what batched_patches.glsl reads.
+  void bind() const;
+  [[nodiscard]] GLuint picture_number() const { return picture_number_; }
+  [[nodiscard]] std::size_t take_draws() { return std::exchange(draws_, 0); }
+  /// How long the lists are. Waits for the GPU.
+  [[nodiscard]] std::array<std::size_t, 3> lengths() const;
+
+ private:
+  struct DrawCommand {
+    GLuint count = 0, instances = 1, first = 0, base = 0;
+  };
+  void set_commands(const std::array<DrawCommand, 3>& commands);
+
+  const ChartGeometry& geometry_;
+  const ChartTables& tables_;
+  int page_size_;
+  GlProgram touch_, renew_;
+  GlBuffer flags_, commands_, lists_, candidate_buffer_;
+  GlVertexArray no_vertices_;
+  std::vector<std::uint32_t> candidates_;
+  GLuint picture_number_ = 0;
+  std::size_t draws_ = 0;
+};
+
+}  // namespace foreview::batched

@@ -1,0 +1,123 @@
+#include "foreview/gpu/batched/picture_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "foreview/gpu/batched/batched_extraction.h"
+
+namespace foreview::batched {
+
+PictureSetup::PictureSetup(const PolygonModel& model, const ChartLayout& layout, const ChartGeometry& geometry)
+    : model_(model),
+      layout_(layout),
+      geometry_(geometry),
+      part_buffer_(GlBuffer::create()),
+      plane_buffer_(GlBuffer::create()) {
+  for (std::size_t i = 0; i < model.polygons().size(); ++i) {
+    Bound& bound = bounds_.emplace_back();
+    const std::size_t corners = model.polygons()[i].corner_count;
+    for (std::size_t k = 0; k < corners; ++k) bound.centre += model.corner(i, k) / static_cast<double>(corners);
+    for (std::size_t k = 0; k < corners; ++k) {
+      bound.radius = std::max(bound.radius, glm::distance(bound.centre, model.corner(i, k)));
+    }
+  }
+  chart_listed_.resize(layout.groups.size());
+  planes_.resize(model.polygons().size());
+  parts_.resize(model.parts().size());
+  glNamedBufferStorage(part_buffer_.id(), static_cast<GLsizeiptr>(parts_.size() * sizeof(glm::mat4)), nullptr,
+                       GL_DYNAMIC_STORAGE_BIT);
+  glNamedBufferStorage(plane_buffer_.id(), static_cast<GLsizeiptr>(planes_.size() * sizeof(PlaneOnGpu)), nullptr,
+                       GL_DYNAMIC_STORAGE_BIT);
+}
+
+void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state, double near_plane) {
+  const Pose camera_from_world = state.world_from_camera.inverse();
+  struct PartView {
+    glm::dmat3 rotation;
+    glm::dvec3 translation;
+    glm::dvec3 eye;       // part frame
+    glm::dvec4 sides[4];  // part frame, inwards, unit normals
+    glm::dvec4 front;     // z - near
+  };
+  std::vector<PartView> views(parts_.size());
+  const double left = -camera.principal_point.x / camera.focal_length.x;
+  const double right = (camera.width - camera.principal_point.x) / camera.focal_length.x;
+  const double top = -camera.principal_point.y / camera.focal_length.y;
+  const double bottom = (camera.height - camera.principal_point.y) / camera.focal_length.y;
+  const glm::dvec3 normals[4] = {{1, 0, -left}, {-1, 0, right}, {0, 1, -top}, {0, -1, bottom}};
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Pose camera_from_part = camera_from_world * state.world_from_part[i];
+    PartView& view = views[i];
+    view.rotation = glm::mat3_cast(camera_from_part.rotation);
+    view.translation = camera_from_part.translation;
+    const glm::dmat3 back = glm::transpose(view.rotation);
+    view.eye = -(back * view.translation);
+    for (int side = 0; side < 4; ++side) {
+      const glm::dvec3 normal = glm::normalize(normals[side]);
+      view.sides[side] = glm::dvec4(back * normal, glm::dot(normal, view.translation));
+    }
+    view.front = glm::dvec4(back * glm::dvec3(0, 0, 1), view.translation.z - near_plane);
+    glm::dmat4 matrix(view.rotation);
+    matrix[3] = glm::dvec4(camera_from_part * geometry_.part_centre(i), 1);
+    parts_[i] = glm::mat4(matrix);
+  }
+
+  visible_.clear();
+  for (const std::uint32_t chart : charts_) chart_listed_[chart] = false;
+  charts_.clear();
+  back_faces_ = outside_ = 0;
+  for (std::uint32_t i = 0; i < model_.polygons().size(); ++i) {
+    const Polygon& polygon = model_.polygons()[i];
+    const PartView& view = views[polygon.part];
+    const Bound& bound = bounds_[i];
+    const auto distance = [&](const glm::dvec4& plane) { return glm::dot(glm::dvec3(plane), bound.centre) + plane.w; };
+    bool out = distance(view.front) < -bound.radius;
+    for (const glm::dvec4& side : view.sides) out = out || distance(side) < -bound.radius;
+    if (out) {
+      // What lies outside the picture is not drawn, so nobody asks for its plane.
+      ++outside_;
+      continue;
+    }
+    const glm::dvec3 normal = view.rotation * polygon.normal;
+    double offset = polygon.offset + glm::dot(normal, view.translation);  // dot(normal, point in camera)
+    if (std::abs(offset) < 1e-9) offset = offset < 0 ? -1e-9 : 1e-9;
+    double least = 1e300, greatest = 0;
+    for (const std::uint32_t vertex : model_.corners_of(i)) {
+      const glm::dvec3& p = model_.vertices()[vertex];
+      const double z =
+          view.rotation[0].z * p.x + view.rotation[1].z * p.y + view.rotation[2].z * p.z + view.translation.z;
+      const double w = 1 / std::max(z, near_plane);
+      least = std::min(least, w);
+      greatest = std::max(greatest, w);
+    }
+    const glm::dvec2 slope = glm::dvec2(normal) / (offset * camera.focal_length);
+    const double slack = std::abs(slope.x) + std::abs(slope.y);
+    PlaneOnGpu& plane = planes_[i];
+    plane = {{static_cast<float>(slope.x), static_cast<float>(slope.y), static_cast<float>(normal.z / offset), 0},
+             {static_cast<float>(least), static_cast<float>(greatest),
+              static_cast<float>(std::min(slack, greatest - least)), 0}};
+    if (offset >= 0) {
+      ++back_faces_;
+    } else {
+      const glm::dvec2& density = layout_.charts[i].texels_per_metre;
+      const double texel_in_pixels =
+          std::max(camera.focal_length.x, camera.focal_length.y) * greatest / std::min(density.x, density.y);
+      visible_.push_back({i, texel_in_pixels > BatchedExtraction::kFootprint});
+      const std::uint32_t chart = layout_.charts[i].group;
+      if (!chart_listed_[chart]) charts_.push_back(chart);
+      chart_listed_[chart] = true;
+    }
+  }
+  glNamedBufferSubData(part_buffer_.id(), 0, static_cast<GLsizeiptr>(parts_.size() * sizeof(glm::mat4)), parts_.data());
+  glNamedBufferSubData(plane_buffer_.id(), 0, static_cast<GLsizeiptr>(planes_.size() * sizeof(PlaneOnGpu)),
+                       planes_.data());
+}
+
+void PictureSetup::bind() const {
+  const GLuint buffers[] = {part_buffer_.id(), plane_buffer_.id()};
+  glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 2, buffers);
+}
+
+}  // namespace foreview::batched

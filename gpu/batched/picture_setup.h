@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <vector>
+
+#include "foreview/gpu/batched/chart_geometry.h"
+#include "foreview/gpu/gl_objects.h"
+#include "foreview/scene/camera_frame.h"
+
+namespace foreview::batched {
+
+/// What the CPU finds out about one picture: which polygons can take texels from it, and everybody's plane.
+class PictureSetup {
+ public:
+  PictureSetup(const PolygonModel& model, const ChartLayout& layout, const ChartGeometry& geometry);
+
+  void prepare(const CameraModel& camera, const CaptureState& state, double near_plane);
+  /// Binds the buffers of batched_common.glsl.
+  void bind() const;
+  struct Visible {
+    std::uint32_t polygon = 0;
+    bool is_close = false;  ///< its texels can be larger than BatchedExtraction::kFootprint pixels
+  };
+  /// Front faces with a part in the picture (as far as a ball around them tells), ascending.
+  [[nodiscard]] const std::vector<Visible>& visible() const { return visible_; }
+  /// Charts (ChartLayout::groups) with at least one of them, in no order.
+  [[nodiscard]] const std::vector<std::uint32_t>& charts() const { return charts_; }
+  [[nodiscard]] std::size_t back_faces() const { return back_faces_; }
+  [[nodiscard]] std::size_t outside() const { return outside_; }
+
+ private:
+  struct PlaneOnGpu {
+    float inverse_z[4], range[4];
+  };
+  struct Bound {
+    glm::dvec3 centre{0};
+    double radius = 0;
+  };
+  const PolygonModel& model_;
+  const ChartLayout& layout_;
+  const ChartGeometry& geometry_;
+  std::vector<Bound> bounds_;  ///< by polygon, part frame
+  std::vector<Visible> visible_;
+  std::vector<std::uint32_t> charts_;
+  std::vector<bool> chart_listed_;
+  std::size_t back_faces_ = 0, outside_ = 0;
+  std::vector<glm::mat4> parts_;
+  std::vector<PlaneOnGpu> planes_;
+  GlBuffer part_buffer_, plane_buffer_;
+};
+
+}  // namespace foreview::batched

@@ -1,0 +1,20 @@
+// The squares that charts are cut into, and the lists of them that a picture concerns; the same structs as in
+// gpu/batched/chart_tables.h.
+
+struct Patch {
+  vec4 ball;    // around its polygons: metres, part frame from the part's centre; radius, negative: no polygon in it
+  ivec4 rect;   // texels in the page: x, y, width, height
+  ivec4 place;  // page; chart; part; patches of its chart side by side
+};
+struct DrawCommand {
+  uint count, instances, first, base;
+};
+layout(std430, binding = 2) readonly buffer Patches { Patch patches[]; };
+layout(std430, binding = 3) buffer PatchFlags { uint patch_flags[]; };  // number of the last picture that touched it
+layout(std430, binding = 4) buffer Commands { DrawCommand commands[]; };
+layout(std430, binding = 5) buffer Lists { uint listed_patches[]; };
+
+const uint kTouched = 0u;  // lists, by place: texels may have changed
+const uint kRenewed = 1u;  // levels 1..3 must be made anew
+const uint kHoled = 2u;    // and level 0's holes
+const int kCoarse = 8;     // pixels along the side of a cell of the coarse bounds

@@ -1,0 +1,17 @@
+#version 450 core
+// Rule 6: a level's texel is the mean of what was observed below it; alpha is the observed share.
+layout(binding = 0) uniform sampler2DArray finer;
+flat in int v_page;
+layout(location = 0) out vec4 pulled;
+
+vec4 weighted(ivec2 p) {
+  vec4 texel = texelFetch(finer, ivec3(p, v_page), 0);
+  return vec4(texel.rgb * texel.a, texel.a);
+}
+
+void main() {
+  ivec2 p = 2 * ivec2(gl_FragCoord.xy);
+  vec4 sum = weighted(p) + weighted(p + ivec2(1, 0)) + weighted(p + ivec2(0, 1)) + weighted(p + ivec2(1, 1));
+  // What was observed must not be lost by rounding.
+  pulled = sum.a > 0.0 ? vec4(sum.rgb / sum.a, max(0.25 * sum.a, 1.0 / 255.0)) : vec4(0.0);
+}

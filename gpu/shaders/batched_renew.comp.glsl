@@ -1,0 +1,45 @@
+#version 450 core
+// Which patches must be filled anew, and their level 4.
+layout(local_size_x = 64) in;
+#include "batched_patches.glsl"
+#include "batched_charts.glsl"
+layout(std430, binding = 6) readonly buffer Candidates { uint candidates[]; };
+layout(binding = 0) uniform sampler2DArray filled;  // level 4; alpha 1: changed
+layout(binding = 1) uniform sampler2DArray pulled;  // level 4
+layout(binding = 0, rgba8) writeonly uniform image2DArray shown;
+layout(location = 4) uniform uint candidate_count;
+layout(location = 5) uniform uint picture_number;
+layout(location = 6) uniform uint list_stride;
+
+void main() {
+  if (gl_GlobalInvocationID.x >= candidate_count) return;
+  uint index = candidates[gl_GlobalInvocationID.x];
+  Patch own = patches[index];
+  ChartBlock chart = charts[own.place.y];
+  bool touched = patch_flags[index] == picture_number;
+  ivec2 first = own.rect.xy >> 4, size = own.rect.zw >> 4;
+  ivec2 chart_first = chart.block.xy >> 4, chart_last = chart_first + (chart.block.zw >> 4) - 1;
+  bool changed = false, holes = false;
+  for (int y = -1; y <= size.y; ++y) {
+    for (int x = -1; x <= size.x; ++x) {
+      ivec3 at = ivec3(clamp(first + ivec2(x, y), chart_first, chart_last), own.place.x);
+      vec4 colour = texelFetch(filled, at, 0);
+      changed = changed || colour.a > 0.5;
+      if (x < 0 || y < 0 || x == size.x || y == size.y) continue;
+      float coverage = texelFetch(pulled, at, 0).a;
+      holes = holes || coverage < 1.0;
+      imageStore(shown, at, vec4(colour.rgb, coverage));
+    }
+  }
+  // The fill reaches a texel of each level into the neighbours.
+  int columns = own.place.w, in_chart = int(index) - chart.place.y;
+  ivec2 grid = ivec2(in_chart % columns, in_chart / columns), rows = ivec2(columns, chart.place.z / columns);
+  for (int y = max(grid.y - 1, 0); y <= min(grid.y + 1, rows.y - 1); ++y) {
+    for (int x = max(grid.x - 1, 0); x <= min(grid.x + 1, rows.x - 1); ++x) {
+      changed = changed || patch_flags[chart.place.y + y * columns + x] == picture_number;
+    }
+  }
+  bool renew = touched || (holes && changed);
+  if (renew) listed_patches[kRenewed * list_stride + atomicAdd(commands[kRenewed].count, 6u) / 6u] = index;
+  if (renew && holes) listed_patches[kHoled * list_stride + atomicAdd(commands[kHoled].count, 6u) / 6u] = index;
+}

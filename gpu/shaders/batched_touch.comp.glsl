@@ -1,0 +1,52 @@
+#version 450 core
+// Which patches may take a texel from the picture: those whose polygons' ball lies where the picture shows something
+// of their distance.
+layout(local_size_x = 64) in;
+#include "batched_common.glsl"
+#include "batched_patches.glsl"
+layout(std430, binding = 6) readonly buffer Candidates { uint candidates[]; };
+layout(binding = 0) uniform sampler2D coarse_bounds;
+layout(location = 0) uniform vec2 focal_length;     // pixels
+layout(location = 1) uniform vec2 principal_point;  // pixels
+layout(location = 2) uniform vec2 picture_size;     // pixels
+layout(location = 3) uniform float near_plane;      // metres
+layout(location = 4) uniform uint candidate_count;
+layout(location = 5) uniform uint picture_number;
+layout(location = 6) uniform uint list_stride;
+
+const int kMostCells = 24;  // along an axis; larger ones are not worth asking
+
+bool may_be_seen(Patch patch_) {
+  vec3 centre = (camera_from_part[patch_.place.z] * vec4(patch_.ball.xyz, 1.0)).xyz;
+  float radius = patch_.ball.w;
+  if (radius < 0.0 || centre.z + radius < near_plane) return false;
+  float nearest = centre.z - radius;
+  if (nearest < near_plane) return true;
+  // The ball's box, projected: a little larger than the ball's projection.
+  vec2 least = min((centre.xy - radius) / nearest, (centre.xy - radius) / (centre.z + radius)) * focal_length;
+  vec2 most = max((centre.xy + radius) / nearest, (centre.xy + radius) / (centre.z + radius)) * focal_length;
+  least += principal_point;
+  most += principal_point;
+  if (any(lessThan(most, vec2(0.5))) || any(greaterThan(least, picture_size - 0.5))) return false;
+  ivec2 last = (ivec2(picture_size) - 2) / kCoarse;
+  ivec2 from = clamp(ivec2(least - 0.5) / kCoarse, ivec2(0), last);
+  ivec2 to = clamp(ivec2(most - 0.5) / kCoarse, ivec2(0), last);
+  if (any(greaterThan(to - from, ivec2(kMostCells)))) return true;
+  vec2 hull = vec2(60000.0, 0.0);
+  for (int y = from.y; y <= to.y; ++y) {
+    for (int x = from.x; x <= to.x; ++x) {
+      vec2 cell = texelFetch(coarse_bounds, ivec2(x, y), 0).rg;
+      hull = vec2(min(hull.x, cell.x), max(hull.y, cell.y));
+    }
+  }
+  // A ball's polygon changes less than the ball itself within a pixel; twice its radius covers the slack too.
+  return 1.0 / (centre.z - min(2.0 * radius, 0.9 * centre.z)) >= hull.x && 1.0 / (centre.z + 2.0 * radius) <= hull.y;
+}
+
+void main() {
+  if (gl_GlobalInvocationID.x >= candidate_count) return;
+  uint index = candidates[gl_GlobalInvocationID.x];
+  if (!may_be_seen(patches[index])) return;
+  patch_flags[index] = picture_number;
+  listed_patches[kTouched * list_stride + atomicAdd(commands[kTouched].count, 6u) / 6u] = index;
+}
