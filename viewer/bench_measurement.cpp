@@ -33,10 +33,11 @@ std::size_t for_each_picture(BenchPictures& pictures, double seconds, const std:
 }
 
 /// Shaders are compiled, textures placed, caches filled: none of this is what a picture costs.
-void warm_up(ExtractionPipeline& pipeline, BenchPictures& pictures, const std::function<void()>& tick) {
+void warm_up(ExtractionPipeline& pipeline, BenchPictures& pictures, std::size_t count,
+             const std::function<void()>& tick) {
   std::size_t done = 0;
   const double begun = bench_clock_ms();
-  for (std::size_t i = 0; i < pictures.size() && done < kWarmUpPictures; ++i) {
+  for (std::size_t i = 0; i < pictures.size() && done < count; ++i) {
     // What is so slow that it is measured with few pictures is warm after one.
     if (done > 0 && bench_clock_ms() - begun > kLongWarmUp) break;
     if (tick) tick();
@@ -157,7 +158,7 @@ void measure(const BenchRequest& request, TextureStore& store, BenchPictures& pi
     }
   }
   pipeline->clear();
-  warm_up(*pipeline, pictures, tick);
+  warm_up(*pipeline, pictures, request.warm_up, tick);
   if (request.totals) {
     measure_totals(*pipeline, pictures, run, tick);
     pipeline->clear();
@@ -179,7 +180,7 @@ std::unique_ptr<TextureStore> make_store(const PolygonModel& model, const BenchR
 
 std::size_t pictures_to_extract(const BenchRequest& request, std::size_t pictures) {
   const std::size_t runs = (request.totals ? 1U : 0U) + (request.steps ? 1U : 0U) + (request.counting ? 1U : 0U);
-  return std::min(pictures, kWarmUpPictures) + runs * pictures;
+  return std::min(pictures, request.warm_up) + runs * pictures;
 }
 
 ChartOptions charts_for(PipelineKind pipeline, ChartOptions charts) {

@@ -30,6 +30,8 @@ struct SteppedCost {
   ExtractionStatistics statistics;  ///< with times; spans only where they are kept
 };
 
+inline constexpr std::size_t kWarmUpPictures = 2;  ///< usually extracted before each measurement, and not counted
+
 /// What is to be measured.
 struct BenchRequest {
   std::string subject;  ///< the recording's or scene's name
@@ -40,11 +42,10 @@ struct BenchRequest {
   bool totals = true;       ///< measure what pictures cost without per-step waits
   bool steps = true;        ///< measure the steps, in a run of their own
   bool keep_spans = false;  ///< for a trace
-  double seconds = 0;       ///< after so long neither run begins another picture; 0: all
-  bool counting = false;    ///< count observed texels, in a run of its own
+  std::size_t warm_up = kWarmUpPictures;
+  double seconds = 0;     ///< after so long neither run begins another picture; 0: all
+  bool counting = false;  ///< count observed texels, in a run of its own
 };
-
-inline constexpr std::size_t kWarmUpPictures = 2;  ///< extracted before each measurement, and not counted
 
 /// What was measured. After Interrupted it holds what was measured until then.
 struct BenchRun {

@@ -76,7 +76,8 @@ Json json_of(const BenchRequest& request) {
           {"occlusion_query", e.occlusion_query},
           {"near", e.near_plane},
           {"density", request.charts.texels_per_metre},
-          {"max_texels", request.charts.max_texels}};
+          {"max_texels", request.charts.max_texels},
+          {"warm_up_pictures", request.warm_up}};
 }
 
 Json json_of(const BenchRun& run, bool with_counters) {
@@ -193,8 +194,7 @@ std::string report_json(const BenchReport& report) {
               {"timer_method", machine.timer_queries ? "queries" : "finish"},
               {"timer_check", machine.timer_check},
               {"started", machine.started}}},
-            {"options", Json::object()},
-            {"warm_up_pictures", kWarmUpPictures}};
+            {"options", Json::object()}};
   for (const auto& [name, value] : report.options) json["options"][name] = value;
   json["findings"] = report.findings;
   json["tables"] = Json::array();

@@ -74,7 +74,9 @@ std::vector<double> SvgAxis::ticks() const {
     return result;
   }
   const double decades = std::log10(high / low);
-  for (double power = std::pow(10.0, std::floor(std::log10(low))); power <= high * 1.001; power *= 10) {
+  const int first = static_cast<int>(std::floor(std::log10(low))), last = static_cast<int>(std::ceil(std::log10(high)));
+  for (int exponent = first; exponent <= last; ++exponent) {
+    const double power = std::pow(10.0, exponent);
     for (const double digit : {1.0, 2.0, 5.0}) {
       if (digit > 1 && decades > 4) continue;
       const double value = digit * power;

@@ -7,40 +7,11 @@
 #include <memory>
 #include <optional>
 
+#include "foreview/viewer/bench_2005.h"
 #include "foreview/viewer/extraction_names.h"
 
 namespace foreview {
 namespace {
-
-constexpr double kDensity2005 = 500;
-constexpr int kMaxTexels2005 = 256;
-constexpr std::array<int, 5> kPasses{2, 4, 6, 8, 10};
-constexpr std::array<double, 6> kBilinear2005{0, 15.3, 25.7, 36.1, 46.5, 56.9};
-constexpr std::array<double, 6> kDiamond2005{0, 18.6, 29.5, 40.5, 51.5, 62.4};
-
-struct Size2005 {
-  double density;
-  int max_texels;
-  double ms;
-};
-constexpr std::array<Size2005, 7> kSizes2005{{{50, 512, 118.3},
-                                              {100, 64, 100.9},
-                                              {100, 256, 112.5},
-                                              {100, 512, 128.9},
-                                              {500, 64, 104.8},
-                                              {500, 256, 125.7},
-                                              {500, 512, 464.7}}};
-
-struct Filling2005 {
-  const char* name;
-  HoleFilling fill;
-  bool query;
-  std::array<double, 3> ms;  ///< complex scene, object, cube
-};
-constexpr std::array<Filling2005, 3> kFillings2005{
-    {{"pyramid", HoleFilling::pyramid, true, {66.2, 58.3, 4.8}},
-     {"iterative, no query", HoleFilling::iterative, false, {3014.9, 892.1, 160.7}},
-     {"iterative, with query", HoleFilling::iterative, true, {1752.5, 404.2, 3.7}}}};
 
 /// One measurement that tables are made of; several tables may need the same one.
 struct Case {
@@ -91,7 +62,7 @@ BenchRequest basic_request(const BenchSubject& subject, PipelineKind pipeline, c
 BenchRequest suppressing(BenchRequest request, ArtefactSuppression rule, int passes) {
   request.extraction.artefacts = passes == 0 ? ArtefactSuppression::none : rule;
   request.extraction.passes = passes;
-  request.totals = true;
+  request.steps = true;
   return request;
 }
 
@@ -148,6 +119,8 @@ class Tables {
     request.extraction.fill = filling.fill;
     request.extraction.occlusion_query = filling.query;
     request.steps = true;
+    // Minutes per picture on a software rasteriser: what compiling shaders adds does not show.
+    if (filling.fill == HoleFilling::iterative && subject == 0) request.warm_up = 0;
     return request;
   }
   BenchRequest size_request(PipelineKind pipeline, const Size2005& size) const {
@@ -167,7 +140,7 @@ class Tables {
     plan_.find_or_add(*subjects_[0], base, count);
     plan_.find_or_add(*subjects_[0], suppressing(base_without_spans(base), ArtefactSuppression::none, 0), count);
     for (const ArtefactSuppression rule : {ArtefactSuppression::alternating, ArtefactSuppression::diamond}) {
-      for (const int passes : kPasses) {
+      for (const int passes : kPasses2005) {
         plan_.find_or_add(*subjects_[0], suppressing(base_without_spans(base), rule, passes), count);
       }
     }
@@ -180,7 +153,7 @@ class Tables {
     for (const Size2005& size : kSizes2005) plan_.find_or_add(*subjects_[0], size_request(pipeline, size), count);
   }
   static BenchRequest base_without_spans(BenchRequest request) {
-    request.steps = request.keep_spans = request.counting = false;
+    request.totals = request.keep_spans = request.counting = false;
     return request;
   }
 
@@ -224,27 +197,6 @@ std::string shortened(double value) {
   return text;
 }
 
-struct StepRow2005 {
-  const char* label;
-  double ms;
-  std::vector<ExtractionStep> steps;
-};
-
-const std::vector<StepRow2005>& step_rows() {
-  static const std::vector<StepRow2005> rows{
-      {"perspective texture", 14.6, {ExtractionStep::projection}},
-      {"occlusion", 4.6, {ExtractionStep::occlusion}},
-      {"artefact suppression", 24.1, {ExtractionStep::suppression}},
-      {"normalisation and scaling", 4.8, {ExtractionStep::normalisation}},
-      {"fusion", 2.3, {ExtractionStep::fusion}},
-      {"hole filling", 66.2, {ExtractionStep::filling}},
-      {"other: upload + publishing + rest",
-       9.1,
-       {ExtractionStep::upload, ExtractionStep::publishing, ExtractionStep::other}}};
-  return rows;
-}
-constexpr double kTotal2005 = 125.7;
-
 BenchTable Tables::steps_table() {
   BenchTable table;
   table.id = "7.1";
@@ -257,7 +209,7 @@ BenchTable Tables::steps_table() {
     table.columns.insert(table.columns.end(), {to_string(pipeline), "%"});
     runs.push_back(base_run(pipeline));
   }
-  for (const StepRow2005& row : step_rows()) {
+  for (const StepRow2005& row : step_rows_2005()) {
     BenchTable::Row& line = table.rows.emplace_back();
     line.label = row.label;
     line.cells = {BenchCell::printed(row.ms), BenchCell::single(100 * row.ms / kTotal2005)};
@@ -323,9 +275,9 @@ BenchTable Tables::suppression_table() {
   table.title = "Artefact suppression by number of passes, " + subjects_[0]->name;
   table.unit = "ms more per picture than without";
   table.columns = {"passes"};
-  table.rows.resize(kPasses.size() + 1);
+  table.rows.resize(kPasses2005.size() + 1);
   table.rows[0].label = "0";
-  for (std::size_t i = 0; i < kPasses.size(); ++i) table.rows[i + 1].label = std::to_string(kPasses[i]);
+  for (std::size_t i = 0; i < kPasses2005.size(); ++i) table.rows[i + 1].label = std::to_string(kPasses2005[i]);
   const auto add = [&](const char* name, ArtefactSuppression rule, const std::array<double, 6>& printed) {
     table.columns.push_back(std::string(name) + ", 2005");
     for (std::size_t i = 0; i < printed.size(); ++i) table.rows[i].cells.push_back(BenchCell::printed(printed[i]));
@@ -334,13 +286,13 @@ BenchTable Tables::suppression_table() {
       const BenchRequest base = basic_request(*subjects_[0], pipeline, options_);
       const BenchRun* without = run_of(0, suppressing(base, rule, 0), pictures_for(pipeline));
       table.rows[0].cells.push_back(without == nullptr ? BenchCell::note("-") : BenchCell::single(0));
-      for (std::size_t i = 0; i < kPasses.size(); ++i) {
-        const BenchRun* with = run_of(0, suppressing(base, rule, kPasses[i]), pictures_for(pipeline));
+      for (std::size_t i = 0; i < kPasses2005.size(); ++i) {
+        const BenchRun* with = run_of(0, suppressing(base, rule, kPasses2005[i]), pictures_for(pipeline));
         std::vector<double> more;
         if (with != nullptr && without != nullptr) {
-          for (std::size_t k = 0; k < std::min(with->totals.size(), without->totals.size()); ++k) {
-            more.push_back(with->totals[k].total_ms - without->totals[k].total_ms);
-          }
+          const std::vector<double> ms = with->step_ms(ExtractionStep::suppression),
+                                    base_ms = without->step_ms(ExtractionStep::suppression);
+          for (std::size_t k = 0; k < std::min(ms.size(), base_ms.size()); ++k) more.push_back(ms[k] - base_ms[k]);
         }
         table.rows[i + 1].cells.push_back(counted(BenchCell::measured(quantiles_of(more)), pictures_for(pipeline)));
       }
@@ -348,7 +300,7 @@ BenchTable Tables::suppression_table() {
   };
   add("bilinear (alternating)", ArtefactSuppression::alternating, kBilinear2005);
   add("diamond", ArtefactSuppression::diamond, kDiamond2005);
-  table.notes = {count_note(), "Differences of the same pictures' totals, nothing waiting between the steps."};
+  table.notes = {count_note(), "Time of this step, less what it takes the same picture without suppression."};
   return table;
 }
 
@@ -374,7 +326,8 @@ BenchTable Tables::filling_table() {
       }
     }
   }
-  table.notes = {count_note() + "; iterative: at most " + std::to_string(kIterativePictures),
+  table.notes = {count_note() + "; iterative: at most " + std::to_string(kIterativePictures) + ", on " +
+                     subjects_[0]->name + " without warm-up",
                  "2005's scenes: a complex one, a partly textured object, an almost fully textured cube."};
   return table;
 }
