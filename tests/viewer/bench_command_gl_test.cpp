@@ -104,6 +104,29 @@ TEST_F(BenchCommand, MeasuresARecordingByStep) {
   EXPECT_GT(spans, static_cast<std::size_t>(3 * kPictures));
 }
 
+TEST_F(BenchCommand, PipelinesStandSideBySideAndSayWhatTheyCannot) {
+  const std::vector<std::string> arguments{"bench",     path("wall"), "--pipeline", "both",
+                                           "--density", "20",         "--json",     path("b.json")};
+  ASSERT_EQ(run_foreview(arguments).status, 0);
+  const json both = read_json("b.json");
+  ASSERT_EQ(both["runs"].size(), 2U);
+  EXPECT_EQ(both["tables"][0]["columns"], json({"step", "batched", "%", "per-polygon", "%"}));
+  for (const json& measured : both["runs"]) {
+    EXPECT_TRUE(measured["unsupported"].is_null());
+    EXPECT_EQ(measured["totals"].size(), static_cast<std::size_t>(kPictures));
+    expect_sound(measured);
+  }
+  std::vector<std::string> iterative = arguments;
+  iterative.insert(iterative.end(), {"--fill", "iterative"});
+  const Finished run = run_foreview(iterative);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("with batched: --fill"), std::string::npos) << run.out;
+  const json one = read_json("b.json");
+  EXPECT_TRUE(one["runs"][0]["unsupported"].is_string());
+  EXPECT_TRUE(one["runs"][0]["totals"].empty());
+  EXPECT_EQ(one["runs"][1]["totals"].size(), static_cast<std::size_t>(kPictures));
+}
+
 TEST_F(BenchCommand, DamagedPicturesAreCountedAndLeftOut) {
   std::ofstream(path("wall") + "/rgb/000002.png") << "no picture";
   std::ofstream(path("wall") + "/rgb/000002.jpg") << "no picture";
