@@ -159,6 +159,7 @@ void BatchedExtraction::clear() {
   State& s = *state_;
   s.store.clear();
   s.pyramid.clear();
+  s.patches.clear();
   std::ranges::fill(s.newest, std::nullopt);
 }
 

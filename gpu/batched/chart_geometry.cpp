@@ -183,6 +183,7 @@ void ChartGeometry::add_shape(Making& making, const std::vector<glm::dvec2>& sha
       const std::uint32_t patch_index =
           patches_of_[chart.group].first + static_cast<std::uint32_t>(row * cells.x + column);
       patches_[patch_index].part = part;
+      patches_[patch_index].texels += std::abs(area(piece));
       Box& box = making.boxes[patch_index];
       const auto first = static_cast<std::uint32_t>(making.vertices.size());
       for (std::uint32_t k = 0; k < piece.size(); ++k) {

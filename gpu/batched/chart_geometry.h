@@ -31,6 +31,7 @@ class ChartGeometry {
   struct Patch {
     glm::dvec3 centre{0};  ///< of a ball around all polygons' parts in it; metres, part frame
     double radius = -1;    ///< negative: no polygon reaches into it
+    double texels = 0;     ///< of polygons and gutters in it, by area
     std::uint32_t chart = 0, part = 0;
     glm::ivec2 origin{0}, size{0};  ///< texels in the page
   };

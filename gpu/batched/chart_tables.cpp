@@ -12,6 +12,7 @@ constexpr int kTipWidth = 2048;  // texels; wider than any chart at level 5
 struct PatchOnGpu {
   glm::vec4 ball;
   glm::ivec4 rect, place;
+  glm::vec4 extent;
 };
 struct ChartOnGpu {
   glm::ivec4 block, place;
@@ -34,7 +35,8 @@ ChartTables::ChartTables(const ChartLayout& layout, const ChartGeometry& geometr
     const int columns = (group.size.x + kPatchTexels - 1) / kPatchTexels;
     patches.push_back(
         {glm::vec4(glm::vec3(patch.centre - geometry.part_centre(patch.part)), static_cast<float>(patch.radius)),
-         glm::ivec4(patch.origin, patch.size), glm::ivec4(group.page, patch.chart, patch.part, columns)});
+         glm::ivec4(patch.origin, patch.size), glm::ivec4(group.page, patch.chart, patch.part, columns),
+         glm::vec4(static_cast<float>(patch.texels), 0, 0, 0)});
   }
   std::vector<ChartOnGpu> charts;
   std::vector<glm::uvec2> members;

@@ -20,7 +20,7 @@ LayerTargets make_layer_targets(GLuint texture, int layers, int level) {
   return targets;
 }
 
-const PageTargets::Level& PageTargets::level(int level) {
+PageTargets::Level& PageTargets::find(int level) {
   const auto [found, is_new] = sets_.try_emplace(store_.pages());
   std::vector<Level>& levels = found->second;
   if (is_new) {
@@ -32,10 +32,31 @@ const PageTargets::Level& PageTargets::level(int level) {
       glTextureParameteri(view, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
       glTextureParameteri(view, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
       levels.push_back(
-          {GlTexture(view), make_layer_targets(store_.pages(), static_cast<int>(pages), static_cast<int>(i))});
+          {GlTexture(view), make_layer_targets(store_.pages(), static_cast<int>(pages), static_cast<int>(i)), {}});
     }
   }
   return levels[static_cast<std::size_t>(level)];
+}
+
+const PageTargets::Level& PageTargets::level(int level) {
+  return find(level);
+}
+
+const LayerTargets& PageTargets::together(GLuint texture, int level) {
+  Level& own = find(level);
+  if (!own.together.empty()) return own.together;
+  own.together = make_layer_targets(texture, static_cast<int>(store_.layout().pages));
+  static constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  for (std::size_t i = 0; i < own.together.size(); ++i) {
+    const GLuint framebuffer = own.together[i].id();
+    if (own.together.size() == 1 && can_draw_layers()) {
+      glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT1, store_.pages(), level);
+    } else {
+      glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT1, store_.pages(), level, static_cast<GLint>(i));
+    }
+    glNamedFramebufferDrawBuffers(framebuffer, 2, kBoth);
+  }
+  return own.together;
 }
 
 }  // namespace foreview::batched

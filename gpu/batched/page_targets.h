@@ -25,11 +25,17 @@ class PageTargets {
   struct Level {
     GlTexture view;
     LayerTargets targets;
+    LayerTargets together;
   };
   /// A level of the set that the store's pages() means now.
   [[nodiscard]] const Level& level(int level);
+  /// Both at once: a texture of the level's size and as many layers (colour 0), which must be the same at every call
+  /// for this level, and the level itself (colour 1).
+  [[nodiscard]] const LayerTargets& together(GLuint texture, int level);
 
  private:
+  [[nodiscard]] Level& find(int level);
+
   const TextureStore& store_;
   std::map<GLuint, std::vector<Level>> sets_;  ///< by the set's pages; at most three
 };

@@ -32,6 +32,10 @@ PatchLists::PatchLists(const ChartGeometry& geometry, const ChartTables& tables,
       lists_(make_buffer(3 * geometry.patches().size() * sizeof(GLuint))),
       candidate_buffer_(make_buffer(geometry.patches().size() * sizeof(GLuint))),
       no_vertices_(GlVertexArray::create()) {
+  clear();
+}
+
+void PatchLists::clear() {
   glClearNamedBufferData(flags_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
 }
 

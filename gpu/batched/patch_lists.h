@@ -22,6 +22,8 @@ class PatchLists {
   };
 
   PatchLists(const ChartGeometry& geometry, const ChartTables& tables, int page_size);
+  /// No patch was ever touched.
+  void clear();
   /// Begins a picture: lists as touched, of the patches of `charts`, those that may take something from it.
   /// PictureSetup must be bound.
   void touch(const std::vector<std::uint32_t>& charts, const CameraModel& camera, double near_plane,

@@ -27,7 +27,7 @@ void main() {
   v_homogeneous = h;
   v_slack = planes[polygon].range.z;
   gl_Position = vec4(texel * texels_to_clip - 1.0, 0.0, 1.0);
-  bool drawn = patch_flags[patch_index] == picture_number;
+  bool drawn = is_touched(patch_index, picture_number);
 #ifdef LAYERED
   gl_Layer = patches[patch_index].place.x;
 #else

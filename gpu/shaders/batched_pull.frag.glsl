@@ -3,6 +3,7 @@
 layout(binding = 0) uniform sampler2DArray finer;
 flat in int v_page;
 layout(location = 0) out vec4 pulled;
+layout(location = 1) out vec4 shown;  // levels 1..3: where nothing is to be filled, this is all
 
 vec4 weighted(ivec2 p) {
   vec4 texel = texelFetch(finer, ivec3(p, v_page), 0);
@@ -12,6 +13,9 @@ vec4 weighted(ivec2 p) {
 void main() {
   ivec2 p = 2 * ivec2(gl_FragCoord.xy);
   vec4 sum = weighted(p) + weighted(p + ivec2(1, 0)) + weighted(p + ivec2(0, 1)) + weighted(p + ivec2(1, 1));
-  // What was observed must not be lost by rounding.
-  pulled = sum.a > 0.0 ? vec4(sum.rgb / sum.a, max(0.25 * sum.a, 1.0 / 255.0)) : vec4(0.0);
+  // What was observed stays observed: here nothing ever was, and what is shown is a fill that may stay.
+  if (sum.a == 0.0) discard;
+  // It must not be lost by rounding either.
+  pulled = vec4(sum.rgb / sum.a, max(0.25 * sum.a, 1.0 / 255.0));
+  shown = pulled;
 }

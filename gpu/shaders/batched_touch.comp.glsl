@@ -47,6 +47,6 @@ void main() {
   if (gl_GlobalInvocationID.x >= candidate_count) return;
   uint index = candidates[gl_GlobalInvocationID.x];
   if (!may_be_seen(patches[index])) return;
-  patch_flags[index] = picture_number;
+  patch_flags[index] = picture_number | (patch_flags[index] == 0u ? kFirstTime : 0u);
   listed_patches[kTouched * list_stride + atomicAdd(commands[kTouched].count, 6u) / 6u] = index;
 }
