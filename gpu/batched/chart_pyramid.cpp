@@ -86,6 +86,7 @@ void ChartPyramid::pull(const std::vector<std::uint32_t>& charts) {
   glUseProgram(pull_.id());
   for (int level = 1; level <= kTop; ++level) {
     glBindTextureUnit(0, level == 1 ? pages_.level(0).view.id() : pulled_[at(level - 1)].texture.id());
+    if (level < kTop) glBindTextureUnit(1, pages_.level(level).view.id());
     // What is full is shown as it is; the pages' last level comes with the tips.
     patches_.draw(PatchLists::touched, level,
                   level < kTop ? pages_.together(pulled_[at(level)].texture.id(), level) : pulled_[at(level)].targets);

@@ -1,6 +1,7 @@
 #version 450 core
 // Rule 6: a level's texel is the mean of what was observed below it; alpha is the observed share.
 layout(binding = 0) uniform sampler2DArray finer;
+layout(binding = 1) uniform sampler2DArray shown_before;  // the texel that is written, which may be read once
 flat in int v_page;
 layout(location = 0) out vec4 pulled;
 layout(location = 1) out vec4 shown;  // levels 1..3: where nothing is to be filled, this is all
@@ -17,5 +18,6 @@ void main() {
   if (sum.a == 0.0) discard;
   // It must not be lost by rounding either.
   pulled = vec4(sum.rgb / sum.a, max(0.25 * sum.a, 1.0 / 255.0));
-  shown = pulled;
+  // Otherwise mostly filled, which is made anew only if something changed.
+  shown = pulled.a < 0.5 ? vec4(texelFetch(shown_before, ivec3(gl_FragCoord.xy, v_page), 0).rgb, pulled.a) : pulled;
 }

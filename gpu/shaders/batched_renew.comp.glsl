@@ -20,13 +20,13 @@ void main() {
   bool first_time = touched && (patch_flags[index] & kFirstTime) != 0u;
   ivec2 first = own.rect.xy >> 4, size = own.rect.zw >> 4;
   ivec2 chart_first = chart.block.xy >> 4, chart_last = chart_first + (chart.block.zw >> 4) - 1;
-  bool colours_changed = false, padded = false;
+  bool changed = false, padded = false;
   float observed = 0.0;
   for (int y = -1; y <= size.y; ++y) {
     for (int x = -1; x <= size.x; ++x) {
       ivec3 at = ivec3(clamp(first + ivec2(x, y), chart_first, chart_last), own.place.x);
       vec4 colour = texelFetch(filled, at, 0);
-      colours_changed = colours_changed || colour.a > 0.5;
+      changed = changed || colour.a > 0.5;
       if (x < 0 || y < 0 || x == size.x || y == size.y) continue;
       float coverage = texelFetch(pulled, at, 0).a;
       padded = padded || coverage < 1.0;
@@ -34,19 +34,10 @@ void main() {
       imageStore(shown, at, vec4(colour.rgb, coverage));
     }
   }
-  // The fill reaches a texel of each level into the neighbours.
-  int columns = own.place.w, in_chart = int(index) - chart.place.y;
-  ivec2 grid = ivec2(in_chart % columns, in_chart / columns), rows = ivec2(columns, chart.place.z / columns);
-  bool changed = colours_changed;
-  for (int y = max(grid.y - 1, 0); y <= min(grid.y + 1, rows.y - 1); ++y) {
-    for (int x = max(grid.x - 1, 0); x <= min(grid.x + 1, rows.x - 1); ++x) {
-      changed = changed || is_touched(uint(chart.place.y + y * columns + x), picture_number);
-    }
-  }
   // Texels that no picture can reach (around the polygons) need not be filled at level 0, nor at the others with every
   // picture. A few that the areas' rounding hides keep the fill they have.
   bool holes = observed < 0.99 * own.extent.x - 4.0;
-  bool renew = (holes && (touched || changed)) || (padded && colours_changed) || first_time;
+  bool renew = (padded && changed) || first_time;
   if (renew) listed_patches[kRenewed * list_stride + atomicAdd(commands[kRenewed].count, 6u) / 6u] = index;
   if (renew && (holes || first_time)) listed_patches[kHoled * list_stride + atomicAdd(commands[kHoled].count, 6u) / 6u] = index;
 }

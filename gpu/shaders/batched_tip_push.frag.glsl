@@ -24,9 +24,9 @@ void main() {
 #ifdef LAST
   vec4 own = texelFetch(pulled, ivec3(at, v_page), 0);
   vec3 colour = mix(enlarged, own.rgb, min(1.0, 2.0 * own.a));
-  vec3 before = texelFetch(shown, ivec3(at, v_page), 0).rgb;
-  bool changed = any(greaterThan(abs(colour - before), vec3(kHysteresis)));
-  filled = vec4(changed ? colour : before, changed ? 1.0 : 0.0);
+  vec4 before = texelFetch(shown, ivec3(at, v_page), 0);
+  bool changed = any(greaterThan(abs(colour - before.rgb), vec3(kHysteresis))) || own.a != before.a;
+  filled = vec4(changed ? colour : before.rgb, changed ? 1.0 : 0.0);
 #else
   vec4 own = texelFetch(pulled, ivec3(at, 0), 0);
   filled = vec4(mix(enlarged, own.rgb, min(1.0, 2.0 * own.a)), 1.0);
