@@ -109,7 +109,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   clock.lap(ExtractionStep::projection);
 
   s.bounds.make_room(camera.width, camera.height);
-  s.bounds.draw_surfaces(camera, near_plane);
+  s.bounds.draw_surfaces(s.setup, camera, near_plane);
   clock.lap(ExtractionStep::occlusion);
   const bool suppressing = s.options.artefacts != ArtefactSuppression::none && s.options.passes > 0;
   if (suppressing) s.bounds.spread_rims(camera, s.options.passes);

@@ -105,8 +105,9 @@ ChartGeometry::ChartGeometry(const PolygonModel& model, const ChartLayout& layou
       corners.push_back(chart.texel_from_part(corner));
       is_outline.push_back(layout.outline[polygon.first_corner + k]);
       vertices.push_back({glm::vec3(corner - part_centres_[polygon.part]), i, polygon.part, 0, {}});
-      if (k >= 2) scene_indices_.insert(scene_indices_.end(), {first, first + k - 1, first + k});
     }
+    corners_.push_back({first, polygon.corner_count});
+    scene_index_count_ += 3 * (std::size_t{polygon.corner_count} - 2);
     double texels = std::abs(area(corners));
     Range& own = own_.emplace_back();
     own.first = static_cast<std::uint32_t>(chart_indices_.size());

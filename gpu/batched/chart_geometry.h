@@ -38,8 +38,10 @@ class ChartGeometry {
 
   /// Attributes 0 position, 1 polygon, 2 part, 3 texel in the page, 4 patch; no index buffer bound.
   [[nodiscard]] GLuint vertex_array() const { return vertex_array_.id(); }
-  /// Triangles of all polygons, as they lie in space.
-  [[nodiscard]] const std::vector<std::uint32_t>& scene_indices() const { return scene_indices_; }
+  /// Vertices of a polygon, in order, as it lies in space: a fan.
+  [[nodiscard]] const Range& corners(std::size_t polygon) const { return corners_[polygon]; }
+  /// Of all polygons' fans as triangles.
+  [[nodiscard]] std::size_t scene_index_count() const { return scene_index_count_; }
   /// Triangles in the charts: of a polygon itself, and of the gutter along its edges.
   [[nodiscard]] const std::vector<std::uint32_t>& chart_indices() const { return chart_indices_; }
   [[nodiscard]] const Range& own_triangles(std::size_t polygon) const { return own_[polygon]; }
@@ -69,8 +71,9 @@ class ChartGeometry {
                  std::uint32_t part);
 
   std::vector<glm::dvec3> part_centres_;
-  std::vector<std::uint32_t> scene_indices_, chart_indices_;
-  std::vector<Range> own_, gutter_, patches_of_;
+  std::size_t scene_index_count_ = 0;
+  std::vector<std::uint32_t> chart_indices_;
+  std::vector<Range> corners_, own_, gutter_, patches_of_;
   std::vector<Patch> patches_;
   std::vector<float> texels_;
   GlVertexArray vertex_array_;

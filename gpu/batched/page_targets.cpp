@@ -2,8 +2,18 @@
 
 namespace foreview::batched {
 
+namespace {
+
+bool layers_forbidden = false;
+
+}  // namespace
+
+void forbid_drawing_layers(bool forbidden) {
+  layers_forbidden = forbidden;
+}
+
 bool can_draw_layers() {
-  return epoxy_has_gl_extension("GL_ARB_shader_viewport_layer_array");
+  return !layers_forbidden && epoxy_has_gl_extension("GL_ARB_shader_viewport_layer_array");
 }
 
 const char* layer_defines() {
@@ -49,7 +59,7 @@ const LayerTargets& PageTargets::together(GLuint texture, int level) {
   static constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   for (std::size_t i = 0; i < own.together.size(); ++i) {
     const GLuint framebuffer = own.together[i].id();
-    if (own.together.size() == 1 && can_draw_layers()) {
+    if (can_draw_layers()) {
       glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT1, store_.pages(), level);
     } else {
       glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT1, store_.pages(), level, static_cast<GLint>(i));

@@ -13,6 +13,8 @@ using LayerTargets = std::vector<GlFramebuffer>;
 
 /// Whether vertex shaders may choose the layer (GL_ARB_shader_viewport_layer_array).
 [[nodiscard]] bool can_draw_layers();
+/// For tests: pipelines made from now on draw layer by layer, as on drivers that cannot do otherwise.
+void forbid_drawing_layers(bool forbidden);
 /// What shaders that draw into layers are compiled with.
 [[nodiscard]] const char* layer_defines();
 [[nodiscard]] LayerTargets make_layer_targets(GLuint texture, int layers, int level = 0);

@@ -23,6 +23,7 @@ PictureBounds::PictureBounds(const ChartGeometry& geometry)
       scene_(make_program("batched_scene.vert.glsl", "batched_scene.frag.glsl")),
       contours_(make_program("fullscreen.vert.glsl", "batched_contours.frag.glsl")),
       spread_(make_program("fullscreen.vert.glsl", "batched_spread.frag.glsl")),
+      spread_twice_(make_program("fullscreen.vert.glsl", "batched_spread.frag.glsl", "#define TWICE\n")),
       coarsen_(make_program("fullscreen.vert.glsl", "batched_coarse.frag.glsl")),
       triangles_(GlBuffer::create()),
       no_vertices_(GlVertexArray::create()) {
@@ -30,9 +31,9 @@ PictureBounds::PictureBounds(const ChartGeometry& geometry)
     const std::string defines = std::string(i & 1 ? "#define SUPPRESS\n" : "") + (i & 2 ? "#define DISTORTED\n" : "");
     bound_[i] = make_program("fullscreen.vert.glsl", "batched_cells.frag.glsl", defines.c_str());
   }
-  const std::vector<std::uint32_t>& indices = geometry.scene_indices();
-  glNamedBufferStorage(triangles_.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(indices.size(), 1) * 4),
-                       indices.data(), 0);
+  glNamedBufferStorage(triangles_.id(),
+                       static_cast<GLsizeiptr>(std::max<std::size_t>(geometry.scene_index_count(), 1) * sizeof(GLuint)),
+                       nullptr, GL_DYNAMIC_STORAGE_BIT);
 }
 
 void PictureBounds::make_room(int width, int height) {
@@ -52,7 +53,13 @@ void PictureBounds::make_room(int width, int height) {
   coarse_target_ = make_framebuffer(coarse_.id());
 }
 
-void PictureBounds::draw_surfaces(const CameraModel& camera, double near_plane) {
+void PictureBounds::draw_surfaces(const PictureSetup& setup, const CameraModel& camera, double near_plane) {
+  indices_.clear();
+  for (const std::uint32_t polygon : setup.front_to_back()) {
+    const auto [first, count] = geometry_.corners(polygon);
+    for (std::uint32_t k = 2; k < count; ++k) indices_.insert(indices_.end(), {first, first + k - 1, first + k});
+  }
+  glNamedBufferSubData(triangles_.id(), 0, static_cast<GLsizeiptr>(indices_.size() * sizeof(GLuint)), indices_.data());
   const glm::mat4 clip_from_camera(camera.clip_from_camera(near_plane));
   const glm::vec2 centre(camera.principal_point);
   const GLfloat nothing[4] = {0, 0, 0, 0};
@@ -68,7 +75,7 @@ void PictureBounds::draw_surfaces(const CameraModel& camera, double near_plane) 
   glUniform2fv(1, 1, glm::value_ptr(centre));
   glVertexArrayElementBuffer(geometry_.vertex_array(), triangles_.id());
   glBindVertexArray(geometry_.vertex_array());
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(geometry_.scene_indices().size()), GL_UNSIGNED_INT, nullptr);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices_.size()), GL_UNSIGNED_INT, nullptr);
   ++draws_;
   glDisable(GL_DEPTH_TEST);
 }
@@ -88,11 +95,15 @@ void PictureBounds::spread_rims(const CameraModel& camera, int passes) {
   glProgramUniform1f(contours_.id(), 1, BatchedExtraction::kGap);
   glBindTextureUnit(0, surfaces_.id());
   draw_over(camera.width, camera.height, rim_targets_[0].id(), contours_);
-  glProgramUniform2i(spread_.id(), 0, camera.width - 1, camera.height - 1);
-  for (int pass = 0; pass < passes; ++pass) {
+  // One diamond pass if their number is odd, then two at a time.
+  for (int done = 0; done < passes;) {
+    const bool twice = done > 0 || passes % 2 == 0;
+    const GlProgram& program = twice ? spread_twice_ : spread_;
+    glProgramUniform2i(program.id(), 0, camera.width - 1, camera.height - 1);
     glBindTextureUnit(0, rims_[current_rims_].id());
     current_rims_ = 1 - current_rims_;
-    draw_over(camera.width, camera.height, rim_targets_[current_rims_].id(), spread_);
+    draw_over(camera.width, camera.height, rim_targets_[current_rims_].id(), program);
+    done += twice ? 2 : 1;
   }
 }
 

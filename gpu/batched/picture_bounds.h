@@ -16,9 +16,10 @@ class PictureBounds {
   static constexpr int kCoarse = 8;  ///< cells along the side of a coarse one; the same in batched_patches.glsl
 
   explicit PictureBounds(const ChartGeometry& geometry);
-  /// Textures grow with the largest picture so far and are kept. `setup` must be bound.
+  /// Textures grow with the largest picture so far and are kept.
   void make_room(int width, int height);
-  void draw_surfaces(const CameraModel& camera, double near_plane);
+  /// Rule 1. `setup` must be bound.
+  void draw_surfaces(const PictureSetup& setup, const CameraModel& camera, double near_plane);
   /// Rules 2 and 3. passes > 0.
   void spread_rims(const CameraModel& camera, int passes);
   /// Rule 4, and its coarse form. `undistorted`: alpha is 0 where a pixel is unusable; 0: all pixels are usable.
@@ -38,9 +39,10 @@ class PictureBounds {
   void draw_over(int width, int height, GLuint target, const GlProgram& program);
 
   const ChartGeometry& geometry_;
-  GlProgram scene_, contours_, spread_, coarsen_;
+  GlProgram scene_, contours_, spread_, spread_twice_, coarsen_;
   GlProgram bound_[4];  ///< by whether something is suppressed, and distorted
   GlBuffer triangles_;
+  std::vector<std::uint32_t> indices_;
   GlVertexArray no_vertices_;
   GlTexture surfaces_, depths_, rims_[2], cells_, coarse_;
   GlFramebuffer surfaces_target_, rim_targets_[2], cells_target_, coarse_target_;

@@ -65,6 +65,7 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
   }
 
   visible_.clear();
+  by_distance_.clear();
   for (const std::uint32_t chart : charts_) chart_listed_[chart] = false;
   charts_.clear();
   back_faces_ = outside_ = 0;
@@ -94,6 +95,7 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
     }
     const glm::dvec2 slope = glm::dvec2(normal) / (offset * camera.focal_length);
     const double slack = std::abs(slope.x) + std::abs(slope.y);
+    by_distance_.emplace_back(static_cast<float>(-greatest), i);
     PlaneOnGpu& plane = planes_[i];
     plane = {{static_cast<float>(slope.x), static_cast<float>(slope.y), static_cast<float>(normal.z / offset), 0},
              {static_cast<float>(least), static_cast<float>(greatest),
@@ -110,6 +112,9 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
       chart_listed_[chart] = true;
     }
   }
+  std::sort(by_distance_.begin(), by_distance_.end());
+  front_to_back_.clear();
+  for (const auto& [distance, polygon] : by_distance_) front_to_back_.push_back(polygon);
   glNamedBufferSubData(part_buffer_.id(), 0, static_cast<GLsizeiptr>(parts_.size() * sizeof(glm::mat4)), parts_.data());
   glNamedBufferSubData(plane_buffer_.id(), 0, static_cast<GLsizeiptr>(planes_.size() * sizeof(PlaneOnGpu)),
                        planes_.data());

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <utility>
 #include <vector>
 
 #include "foreview/gpu/batched/chart_geometry.h"
@@ -23,6 +24,9 @@ class PictureSetup {
   };
   /// Front faces with a part in the picture (as far as a ball around them tells), ascending.
   [[nodiscard]] const std::vector<Visible>& visible() const { return visible_; }
+  /// All polygons with a part in the picture, back faces too, roughly the nearest first: what is drawn first hides the
+  /// rest before it is shaded.
+  [[nodiscard]] const std::vector<std::uint32_t>& front_to_back() const { return front_to_back_; }
   /// Charts (ChartLayout::groups) with at least one of them, in no order.
   [[nodiscard]] const std::vector<std::uint32_t>& charts() const { return charts_; }
   [[nodiscard]] std::size_t back_faces() const { return back_faces_; }
@@ -41,6 +45,8 @@ class PictureSetup {
   const ChartGeometry& geometry_;
   std::vector<Bound> bounds_;  ///< by polygon, part frame
   std::vector<Visible> visible_;
+  std::vector<std::pair<float, std::uint32_t>> by_distance_;  ///< least z, polygon
+  std::vector<std::uint32_t> front_to_back_;
   std::vector<std::uint32_t> charts_;
   std::vector<bool> chart_listed_;
   std::size_t back_faces_ = 0, outside_ = 0;

@@ -1,15 +1,16 @@
 #version 450 core
-// Rule 3: one diamond pass, the largest 1/z of the pixel and its edge neighbours.
+// Rule 3: one diamond pass, the largest 1/z of the pixel and its edge neighbours. With TWICE two passes at once: all
+// pixels up to two steps away.
 layout(binding = 0) uniform sampler2D rims;
 layout(location = 0) uniform ivec2 last;  // pixel
 layout(location = 0) out float spread;
 
+float rim(int x, int y) { return texelFetch(rims, clamp(ivec2(gl_FragCoord.xy) + ivec2(x, y), ivec2(0), last), 0).r; }
+
 void main() {
-  ivec2 p = ivec2(gl_FragCoord.xy);
-  float own = texelFetch(rims, p, 0).r;
-  float right = texelFetch(rims, min(p + ivec2(1, 0), last), 0).r;
-  float left = texelFetch(rims, max(p - ivec2(1, 0), ivec2(0)), 0).r;
-  float below = texelFetch(rims, min(p + ivec2(0, 1), last), 0).r;
-  float above = texelFetch(rims, max(p - ivec2(0, 1), ivec2(0)), 0).r;
-  spread = max(max(max(right, left), max(below, above)), own);
+  spread = max(rim(0, 0), max(max(rim(1, 0), rim(-1, 0)), max(rim(0, 1), rim(0, -1))));
+#ifdef TWICE
+  spread = max(spread, max(max(rim(2, 0), rim(-2, 0)), max(rim(0, 2), rim(0, -2))));
+  spread = max(spread, max(max(rim(1, 1), rim(-1, 1)), max(rim(1, -1), rim(-1, -1))));
+#endif
 }
