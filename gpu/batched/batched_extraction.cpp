@@ -14,6 +14,7 @@
 #include "foreview/gpu/batched/picture_bounds.h"
 #include "foreview/gpu/batched/picture_setup.h"
 #include "foreview/gpu/step_clock.h"
+#include "foreview/gpu/timer_queries.h"
 #include "foreview/gpu/undistorter.h"
 #include "foreview/scene/errors.h"
 
@@ -77,6 +78,7 @@ struct BatchedExtraction::State {
   std::vector<bool> is_late;                     ///< by chart, of the current picture
   std::vector<std::uint32_t> touched;            ///< polygons
   CameraModel last_camera;
+  TimerQueries timer_queries;
   ExtractionTiming timing = ExtractionTiming::off;
   bool counting = false;
 };
@@ -90,7 +92,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   const CameraModel& camera = frame.camera;
   const double near_plane = s.options.near_plane;
   ExtractionStatistics statistics;
-  StepClock clock(s.timing);
+  StepClock clock(s.timing, &s.timer_queries);
   check_frame(frame, s.store.model());
   s.undistorter.load(frame.picture, camera, "picture at " + frame.state.stamp.to_string() + " s");
   clock.lap(ExtractionStep::upload);
