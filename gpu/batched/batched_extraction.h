@@ -49,8 +49,10 @@ namespace foreview {
 ///    chart's block), with m = min(1, 2 * share), down to level 1; at level 0 only where nothing is observed. These F
 ///    are the levels that are shown: what little was observed of a texel does not decide about all of it, so there is
 ///    no averaging again. (m = share measured 0.03 dB worse on the workcell, m = 1 wherever anything is observed 0.15
-///    dB.) (As levels 1..3 of what did not change are not made again, a texel of F_4 stays what it was unless it
-///    changed by more than 1.5/255 in a channel.)
+///    dB.) What hardly changes is left alone: a texel of F_4 stays as it was unless it changed by more than 1.5/255 in
+///    a channel, or its share did; and a patch without such a texel in it or next to it keeps its fill: its holes, and
+///    the texels of levels 1..3 of which less than half was observed. Holes are not filled again in a patch where all
+///    is observed that can be (but for some texels: areas tell, not counts).
 /// 8. A polygon's state is its chart's tip: seen once any texel of the chart is.
 ///
 /// Rules 5 to 7 touch only *patches*, squares of the charts, in which the picture can change something; which do is
