@@ -1,0 +1,133 @@
+#include "oracle/batched_contours.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "oracle/visibility.h"
+
+namespace foreview::oracle {
+
+double InverseRange::keep(double w) const {
+  return std::min(std::max(w, least), greatest);
+}
+
+PictureSurface picture_surface(const PolygonModel& model, std::size_t polygon, const CameraModel& camera,
+                               const CaptureState& state, double near_plane) {
+  const Polygon& p = model.polygons()[polygon];
+  const Pose camera_from_part = state.world_from_camera.inverse() * state.world_from_part[p.part];
+  const glm::dvec3 normal = camera_from_part.rotate(p.normal);
+  const double offset = p.offset + glm::dot(normal, camera_from_part.translation);
+  PictureSurface result;
+  result.front = offset < 0;
+  // dot(normal, z ray) == offset, and a ray is ((u - c_u) / f_u, (v - c_v) / f_v, 1).
+  result.a = normal.x / camera.focal_length.x / offset;
+  result.b = normal.y / camera.focal_length.y / offset;
+  result.origin = normal.z / offset - result.a * camera.principal_point.x - result.b * camera.principal_point.y;
+  for (std::size_t i = 0; i < p.corner_count; ++i) {
+    const double w = 1 / std::max((camera_from_part * model.corner(polygon, i)).z, near_plane);
+    result.range.least = i == 0 ? w : std::min(result.range.least, w);
+    result.range.greatest = std::max(result.range.greatest, w);
+  }
+  return result;
+}
+
+Image<Surface> surfaces(const PolygonModel& model, const CameraModel& camera, const CaptureState& state,
+                        double near_plane) {
+  const Visibility seen = visibility(model, camera, state, near_plane);
+  std::vector<PictureSurface> polygons;
+  for (std::size_t i = 0; i < model.polygons().size(); ++i) {
+    polygons.push_back(picture_surface(model, i, camera, state, near_plane));
+  }
+  Image<Surface> result(camera.width, camera.height);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      Surface& surface = result.at(x, y);
+      surface.polygon = seen.nearest.at(x, y).polygon;
+      surface.doubtful = seen.candidates.at(x, y).size() != 1;
+      if (surface.polygon < 0) continue;
+      const PictureSurface& polygon = polygons[static_cast<std::size_t>(surface.polygon)];
+      surface.a = polygon.a;
+      surface.b = polygon.b;
+      surface.range = polygon.range;
+      surface.w = surface.range.keep(polygon.plane_at(x + 0.5, y + 0.5));
+    }
+  }
+  return result;
+}
+
+bool is_open(const Surface& p, const Surface& q, int dx, int dy) {
+  const double at_p = p.w - q.continued(-dx, -dy);
+  const double at_q = p.continued(dx, dy) - q.w;
+  if (at_p * at_q <= 0) return false;
+  return std::min(std::abs(at_p), std::abs(at_q)) > kBatchedGap * std::max(p.w, q.w);
+}
+
+namespace {
+
+constexpr std::array<std::array<int, 2>, 4> kEdgeNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+}  // namespace
+
+AlphaImage rims(const Image<Surface>& surfaces) {
+  AlphaImage result(surfaces.width, surfaces.height, 0.0);
+  for (int y = 0; y < surfaces.height; ++y) {
+    for (int x = 0; x < surfaces.width; ++x) {
+      const Surface& p = surfaces.at(x, y);
+      for (const auto& [dx, dy] : kEdgeNeighbours) {
+        if (!surfaces.contains(x + dx, y + dy)) continue;
+        const Surface& q = surfaces.at(x + dx, y + dy);
+        if (p.w > q.w && is_open(p, q, dx, dy)) result.at(x, y) = p.w;
+      }
+    }
+  }
+  return result;
+}
+
+AlphaImage spread(const AlphaImage& rims, int passes) {
+  AlphaImage result = rims;
+  for (int pass = 0; pass < passes; ++pass) {
+    const AlphaImage before = result;
+    for (int y = 0; y < before.height; ++y) {
+      for (int x = 0; x < before.width; ++x) {
+        for (const auto& [dx, dy] : kEdgeNeighbours) {
+          if (before.contains(x + dx, y + dy)) result.at(x, y) = std::max(result.at(x, y), before.at(x + dx, y + dy));
+        }
+      }
+    }
+  }
+  return result;
+}
+
+Image<Cell> cells(const Image<Surface>& surfaces, const AlphaImage* unsafe, const Flags& usable) {
+  Image<Cell> result(surfaces.width - 1, surfaces.height - 1);
+  for (int y = 0; y < result.height; ++y) {
+    for (int x = 0; x < result.width; ++x) {
+      if (is_open(surfaces.at(x, y), surfaces.at(x + 1, y), 1, 0)) continue;
+      if (is_open(surfaces.at(x, y + 1), surfaces.at(x + 1, y + 1), 1, 0)) continue;
+      if (is_open(surfaces.at(x, y), surfaces.at(x, y + 1), 0, 1)) continue;
+      if (is_open(surfaces.at(x + 1, y), surfaces.at(x + 1, y + 1), 0, 1)) continue;
+      bool all_usable = true;
+      double least = 0, greatest = 0, greatest_unsafe = 0;
+      for (const int i : {0, 1, 2, 3}) {
+        const int dx = i % 2, dy = i / 2;
+        const Surface& s = surfaces.at(x + dx, y + dy);
+        all_usable = all_usable && usable.at(x + dx, y + dy) != 0;
+        const double middle = s.continued(0.5 - dx, 0.5 - dy);
+        const double half = 0.5 * (std::abs(s.a) + std::abs(s.b));
+        const double low = s.range.keep(middle - half), high = s.range.keep(middle + half);
+        least = i == 0 ? low : std::min(least, low);
+        greatest = i == 0 ? high : std::max(greatest, high);
+        if (unsafe != nullptr) greatest_unsafe = std::max(greatest_unsafe, unsafe->at(x + dx, y + dy));
+      }
+      if (!all_usable) continue;
+      Cell& cell = result.at(x, y);
+      cell.least = std::max(least * (1 - kBatchedRounding), (1 - kBatchedGap) * greatest_unsafe);
+      cell.greatest = greatest * (1 + kBatchedRounding);
+    }
+  }
+  return result;
+}
+
+}  // namespace foreview::oracle

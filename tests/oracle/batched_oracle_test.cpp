@@ -1,0 +1,527 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "oracle/batched_extraction.h"
+#include "oracle/test_scenes.h"
+
+namespace foreview::oracle {
+namespace {
+
+constexpr double kNear = 0.1;
+
+std::size_t open_pairs(const Image<Surface>& s) {
+  std::size_t count = 0;
+  for (int y = 0; y < s.height; ++y) {
+    for (int x = 0; x < s.width; ++x) {
+      if (x + 1 < s.width && is_open(s.at(x, y), s.at(x + 1, y), 1, 0)) ++count;
+      if (y + 1 < s.height && is_open(s.at(x, y), s.at(x, y + 1), 0, 1)) ++count;
+    }
+  }
+  return count;
+}
+
+std::size_t pixels_of(const Image<Surface>& s, int polygon) {
+  return static_cast<std::size_t>(
+      std::count_if(s.values.begin(), s.values.end(), [&](const Surface& v) { return v.polygon == polygon; }));
+}
+
+/// Two walls that fill the picture and meet in an upright edge at x = 0.013, `depth` metres away; their far sides are
+/// at depth + `bend`.
+Image<Surface> crease(const CameraModel& camera, double depth, double bend) {
+  const double x = 0.013, half = 8, tall = 8;
+  const PolygonModel model = model_of(
+      {{{x - half, -tall, depth + bend}, {x - half, tall, depth + bend}, {x, tall, depth}, {x, -tall, depth}},
+       {{x, -tall, depth}, {x, tall, depth}, {x + half, tall, depth + bend}, {x + half, -tall, depth + bend}}});
+  return surfaces(model, camera, at_origin(model), kNear);
+}
+
+TEST(BatchedSurfaces, AreThePlanesAtPixelCentresWithTheirSlopes) {
+  const CameraModel camera = pinhole(40, 30, 40);
+  const PolygonModel model = model_of({{{-3, -3, 2}, {-3, 3, 2}, {3, 3, 6}, {3, -3, 6}}});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  const Surface& p = s.at(23, 11);
+  ASSERT_EQ(p.polygon, 0);
+  // The plane is z = 4 + 2/3 x: 1/z = (1 - 2/3 X) / 4 with X = (u - 20) / 40.
+  EXPECT_NEAR(p.w, (1 - 2.0 / 3 * 3.5 / 40) / 4, 1e-12);
+  EXPECT_NEAR(p.a, -2.0 / 3 / 40 / 4, 1e-12);
+  EXPECT_NEAR(p.b, 0, 1e-12);
+  EXPECT_NEAR(p.range.least, 1.0 / 6, 1e-12);
+  EXPECT_NEAR(p.range.greatest, 1.0 / 2, 1e-12);
+  EXPECT_NEAR(p.continued(-2, 7), p.w - 2 * p.a, 1e-12);
+  EXPECT_NEAR(p.continued(-2000, 0), 1.0 / 2, 1e-12) << "kept within the range of its corners";
+  EXPECT_EQ(s.at(0, 0).polygon, 0);
+}
+
+TEST(BatchedSurfaces, CornersBeforeTheNearPlaneCountAsLyingOnIt) {
+  const CameraModel camera = pinhole(100, 80, 100);
+  const PolygonModel model = model_of({{{-1, 0.3, -2}, {-1, 0.3, 4}, {1, 0.3, 4}, {1, 0.3, -2}}});
+  const PictureSurface floor = picture_surface(model, 0, camera, at_origin(model), kNear);
+  EXPECT_NEAR(floor.range.greatest, 10, 1e-12);
+  EXPECT_NEAR(floor.range.least, 0.25, 1e-12);
+}
+
+TEST(BatchedContours, AConcaveAndAConvexCreaseAreNone) {
+  const CameraModel camera = pinhole(60, 50, 60);
+  for (const double bend : {-1.5, -0.4, 0.3, 1.5, 6.0}) {
+    const Image<Surface> s = crease(camera, 2, bend);
+    ASSERT_GT(pixels_of(s, 0), 500u);
+    ASSERT_GT(pixels_of(s, 1), 500u);
+    EXPECT_EQ(open_pairs(s), 0u) << bend;
+  }
+}
+
+TEST(BatchedContours, ASilhouetteIsOneAndItsRimIsTheNearerPixel) {
+  const CameraModel camera = pinhole(40, 30, 40);
+  // The chip covers x 16..23, y 11..18 before a wall that fills the picture.
+  const PolygonModel model = model_of({facing_rectangle(-3, -3, 3, 3, 4), facing_rectangle(-0.2, -0.2, 0.2, 0.2, 2)});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  ASSERT_EQ(pixels_of(s, 1), 64u);
+  EXPECT_EQ(open_pairs(s), 32u);
+  EXPECT_TRUE(is_open(s.at(15, 15), s.at(16, 15), 1, 0));
+  EXPECT_TRUE(is_open(s.at(16, 15), s.at(15, 15), -1, 0));
+  EXPECT_TRUE(is_open(s.at(20, 18), s.at(20, 19), 0, 1));
+  EXPECT_FALSE(is_open(s.at(16, 15), s.at(17, 15), 1, 0));
+  const AlphaImage r = rims(s);
+  EXPECT_EQ(std::count(r.values.begin(), r.values.end(), 0.5), 28) << "the chip's outermost pixels";
+  EXPECT_EQ(std::count(r.values.begin(), r.values.end(), 0.0), 40 * 30 - 28) << "and no other";
+  EXPECT_EQ(r.at(16, 11), 0.5);
+}
+
+TEST(BatchedContours, ASilhouetteBeforeNothingIsOneAndNothingBesideNothingIsNot) {
+  const CameraModel camera = pinhole(40, 30, 40);
+  const PolygonModel model = model_of({facing_rectangle(-0.2, -0.2, 0.2, 0.2, 2)});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  EXPECT_EQ(open_pairs(s), 32u);
+}
+
+/// A box of 0.4 m x 0.4 m on a table at z = 1 + height, its top at z = 1, seen straight from above: its sides are not
+/// to be seen at all.
+TEST(BatchedContours, AFlatBoxIsNoneUntilItsHeightIsAHundredth) {
+  const CameraModel camera = pinhole(60, 50, 60);
+  for (const double height : {0.005, 0.03}) {
+    const PolygonModel model =
+        model_of({facing_rectangle(-2, -2, 2, 2, 1 + height), facing_rectangle(-0.21, -0.21, 0.21, 0.21, 1)});
+    const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+    ASSERT_GT(pixels_of(s, 1), 400u);
+    EXPECT_EQ(open_pairs(s) > 0, height > 0.01) << height;
+  }
+}
+
+/// A box 0.3 m high on a table; the camera looks down at it aslant, so that one side shows. From the top over the side
+/// to the table surfaces meet; behind the box they do not.
+TEST(BatchedContours, ASideThatShowsConnectsTheTopWithTheTable) {
+  const CameraModel camera = pinhole(80, 60, 80);
+  // y down. The table is y = 0.5, the box's top y = 0.2, from z = 1.5 to z = 1.9.
+  const double table = 0.5, top = 0.2, front = 1.5, back = 1.9, half = 3;
+  const PolygonModel model = model_of({{{-half, table, 0.2}, {half, table, 0.2}, {half, table, 6}, {-half, table, 6}},
+                                       {{-half, top, front}, {half, top, front}, {half, top, back}, {-half, top, back}},
+                                       facing_rectangle(-half, top, half, table, front)});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  const int x = 40;
+  int behind = 0;
+  for (int y = 0; y + 1 < camera.height; ++y) {
+    const Surface &p = s.at(x, y), &q = s.at(x, y + 1);
+    if (p.polygon == q.polygon) {
+      EXPECT_FALSE(is_open(p, q, 0, 1)) << y;
+    } else if (p.polygon == 0 && q.polygon == 1) {
+      EXPECT_TRUE(is_open(p, q, 0, 1)) << "the table behind the box, " << y;
+      ++behind;
+    } else if (p.polygon >= 0) {
+      EXPECT_FALSE(is_open(p, q, 0, 1)) << "polygons " << p.polygon << " and " << q.polygon << ", " << y;
+    }
+  }
+  EXPECT_EQ(behind, 1);
+  EXPECT_GT(pixels_of(s, 2), 500u);
+}
+
+/// A side seen so nearly edge-on that it is one pixel wide, and 0.3 m deep within it: its slope says nothing there, but
+/// its range does.
+TEST(BatchedContours, ASideSeenEdgeOnConnectsWhatItLiesBetween) {
+  const CameraModel camera = pinhole(60, 50, 60);
+  // Columns: top (z = 1) up to u = 40.2, side up to u = 41.1, table (z = 1.3) from there.
+  const double x0 = 10.2 / 60, x1 = 11.1 / 60 * 1.3;
+  const PolygonModel model = model_of({facing_rectangle(-2, -2, x0, 2, 1),
+                                       {{x0, -2, 1}, {x0, 2, 1}, {x1, 2, 1.3}, {x1, -2, 1.3}},
+                                       facing_rectangle(x1, -2, 3, 2, 1.3)});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  ASSERT_EQ(s.at(39, 20).polygon, 0);
+  ASSERT_EQ(s.at(40, 20).polygon, 1);
+  ASSERT_EQ(s.at(41, 20).polygon, 2);
+  ASSERT_GT(std::abs(s.at(40, 20).a), 0.1) << "steep";
+  EXPECT_EQ(open_pairs(s), 0u);
+  // Without the side there is a step.
+  const PolygonModel without =
+      model_of({facing_rectangle(-2, -2, x0, 2, 1), facing_rectangle(x1 - 0.1, -2, 3, 2, 1.3)});
+  EXPECT_GT(open_pairs(surfaces(without, camera, at_origin(without), kNear)), 0u);
+}
+
+TEST(BatchedSuppression, SpreadsInDiamondsAndTheNearestWins) {
+  AlphaImage r(11, 9, 0.0);
+  r.at(3, 4) = 0.5;
+  r.at(7, 4) = 2;
+  const AlphaImage none = spread(r, 0);
+  EXPECT_EQ(none.values, r.values);
+  const AlphaImage two = spread(r, 2);
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 0; x < 11; ++x) {
+      const bool in_far = std::abs(x - 3) + std::abs(y - 4) <= 2, in_near = std::abs(x - 7) + std::abs(y - 4) <= 2;
+      EXPECT_EQ(two.at(x, y), in_near ? 2 : in_far ? 0.5 : 0) << x << ", " << y;
+    }
+  }
+}
+
+TEST(BatchedCells, HoldWhatTheSurfacesReachWithinThem) {
+  const CameraModel camera = pinhole(40, 30, 40);
+  const PolygonModel model = model_of({{{-3, -3, 2}, {-3, 3, 2}, {3, 3, 6}, {3, -3, 6}}});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  const Flags usable(40, 30, 1);
+  const Image<Cell> c = cells(s, nullptr, usable);
+  ASSERT_EQ(c.width, 39);
+  ASSERT_EQ(c.height, 29);
+  // At the cell's middle, u = 24: 1/z = (1 - 2/3 * 4 / 40) / 4; half a pixel to either side 1/480.
+  const double middle = (1 - 2.0 / 3 * 4 / 40) / 4, half = 2.0 / 3 / 40 / 4 / 2;
+  EXPECT_NEAR(c.at(23, 11).least, (middle - half) * 0.999, 1e-12);
+  EXPECT_NEAR(c.at(23, 11).greatest, (middle + half) * 1.001, 1e-12);
+  // With something unsafe at one of its pixels, nothing behind that.
+  AlphaImage unsafe(40, 30, 0.0);
+  unsafe.at(24, 12) = 0.26;
+  const Image<Cell> suppressed = cells(s, &unsafe, usable);
+  EXPECT_NEAR(suppressed.at(23, 11).least, 0.99 * 0.26, 1e-12);
+  EXPECT_TRUE(suppressed.at(23, 11).takes_nothing());
+  EXPECT_NEAR(suppressed.at(22, 11).least, c.at(22, 11).least, 1e-12);
+  unsafe.at(24, 12) = 0.2;
+  EXPECT_NEAR(cells(s, &unsafe, usable).at(23, 11).least, c.at(23, 11).least, 1e-12) << "behind the surface itself";
+}
+
+TEST(BatchedCells, TakeNothingAcrossAContourOrWhereAPixelIsUnusable) {
+  const CameraModel camera = pinhole(40, 30, 40);
+  const PolygonModel model = model_of({facing_rectangle(-3, -3, 3, 3, 4), facing_rectangle(-0.2, -0.2, 0.2, 0.2, 2)});
+  const Image<Surface> s = surfaces(model, camera, at_origin(model), kNear);
+  Flags usable(40, 30, 1);
+  usable.at(5, 6) = 0;
+  const Image<Cell> c = cells(s, nullptr, usable);
+  for (int y = 0; y < c.height; ++y) {
+    for (int x = 0; x < c.width; ++x) {
+      // The chip is x 16..23, y 11..18: cells 15 and 23 along x, 10 and 18 along y lie across its outline.
+      const bool beside = x >= 15 && x <= 23 && y >= 10 && y <= 18;
+      const bool within = x >= 16 && x <= 22 && y >= 11 && y <= 17;
+      const bool unusable = (x == 4 || x == 5) && (y == 5 || y == 6);
+      EXPECT_EQ(c.at(x, y).takes_nothing(), (beside && !within) || unusable) << x << ", " << y;
+    }
+  }
+}
+
+/// Charts of a model, one polygon each, seen by a camera at the origin; the picture's colours tell the position.
+struct Extracted {
+  CameraModel camera;
+  PolygonModel model;
+  ChartLayout layout;
+  BatchedOptions options;
+  CameraFrame frame;
+  Extracted(const CameraModel& camera_, PolygonModel model_, double density, int passes)
+      : camera(camera_), model(std::move(model_)) {
+    ChartOptions charts;
+    charts.texels_per_metre = density;
+    charts.page_size = 1024;
+    charts.group_polygons = false;
+    layout = lay_out_charts(model, charts);
+    options.passes = passes;
+    options.near_plane = kNear;
+    frame.camera = camera;
+    frame.state = at_origin(model);
+    frame.state.stamp = Timestamp{1'000'000};
+    frame.picture = cv::Mat(camera.height, camera.width, CV_8UC3);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        frame.picture.at<cv::Vec3b>(y, x) =
+            cv::Vec3b(static_cast<unsigned char>(3 * x), static_cast<unsigned char>(4 * y), 200);
+      }
+    }
+  }
+  [[nodiscard]] BatchedExtractionOracle::Gathered gathered(std::size_t polygon) const {
+    const BatchedExtractionOracle oracle(model, layout, options);
+    const BatchedPicture picture = oracle.look(frame);
+    return oracle.gather_group(layout.charts[polygon].group, frame, picture.picture.colour, picture.cells);
+  }
+};
+
+TEST(BatchedGather, TexelsTakeThePictureAtTheirPoint) {
+  const Extracted e(pinhole(60, 50, 60), model_of({{{-0.5, -0.4, 2}, {-0.5, 0.4, 2}, {0.5, 0.4, 3}, {0.5, -0.4, 3}}}),
+                    40, 3);
+  const auto g = e.gathered(0);
+  int inside = 0;
+  for (int y = 0; y < g.texels.height; ++y) {
+    for (int x = 0; x < g.texels.width; ++x) {
+      const TexelOwner& owner = g.owners.at(x, y);
+      const GatheredTexel& t = g.texels.at(x, y);
+      EXPECT_EQ(owner.polygon < 0 && t.taken, false);
+      if (!owner.inside) continue;
+      const Chart& chart = e.layout.charts[0];
+      const glm::dvec3 p = chart.part_from_texel(glm::dvec2(chart.origin) + glm::dvec2(x + 0.5, y + 0.5));
+      ++inside;
+      EXPECT_NEAR(t.pixel.x, 30 + 60 * p.x / p.z, 1e-9);
+      EXPECT_NEAR(t.w, 1 / p.z, 1e-9);
+      if (!t.taken) continue;
+      EXPECT_NEAR(t.colour.x, 3 * (t.pixel.x - 0.5), 1e-9);
+      EXPECT_NEAR(t.colour.y, 4 * (t.pixel.y - 0.5), 1e-9);
+    }
+  }
+  EXPECT_NEAR(inside, 32 * 40 * std::sqrt(2.0), 120);
+  EXPECT_GT(std::count_if(g.texels.values.begin(), g.texels.values.end(), [](const auto& t) { return t.taken; }),
+            inside / 2);
+}
+
+/// A wall 4 m away with a chip 2 m away before it, which covers pixels x 16..23, y 11..18.
+Extracted wall_and_chip(int passes) {
+  return {pinhole(40, 30, 40),
+          model_of({facing_rectangle(-1.8, -1.3, 1.8, 1.3, 4), facing_rectangle(-0.2, -0.2, 0.2, 0.2, 2)}), 26, passes};
+}
+
+TEST(BatchedGather, RefusesWhatLiesBehindARimAndNotTheOccluder) {
+  for (const int passes : {0, 1, 3}) {
+    const Extracted e = wall_and_chip(passes);
+    const auto wall = e.gathered(0), chip = e.gathered(1);
+    int refused = 0, taken = 0, beside = 0;
+    for (std::size_t i = 0; i < wall.texels.values.size(); ++i) {
+      if (!wall.owners.values[i].inside) continue;
+      const GatheredTexel& t = wall.texels.values[i];
+      // The wall's own outermost pixels lie beside a contour, too.
+      if (std::abs(t.pixel.x - 20) > 17.5 || std::abs(t.pixel.y - 15) > 12.5) continue;
+      // How far beyond the chip's outermost pixel centres, in pixels.
+      const double dx = std::max({16.5 - t.pixel.x, t.pixel.x - 23.5, 0.0});
+      const double dy = std::max({11.5 - t.pixel.y, t.pixel.y - 18.5, 0.0});
+      if (dx == 0 && dy == 0) {
+        EXPECT_FALSE(t.taken) << "behind the chip";
+        ++refused;
+      } else if (dy == 0) {
+        if (std::abs(dx - std::round(dx)) < 1e-9) continue;  // on a pixel's centre: between two cells
+        // Cells take nothing if one of their pixels is within `passes` of the rim, and the one at the contour never.
+        const bool expected = dx > passes + 1;
+        EXPECT_EQ(t.taken, expected) << passes << " passes, " << dx << " pixels beside";
+        ++beside;
+      } else if (dx + dy > passes + 2) {
+        EXPECT_TRUE(t.taken);
+        ++taken;
+      }
+    }
+    EXPECT_GT(refused, 100);
+    EXPECT_GT(beside, 100);
+    EXPECT_GT(taken, 100);
+    int own = 0;
+    for (std::size_t i = 0; i < chip.texels.values.size(); ++i) {
+      if (!chip.owners.values[i].inside) continue;
+      const GatheredTexel& t = chip.texels.values[i];
+      const bool within = t.pixel.x > 16.5 && t.pixel.x < 23.5 && t.pixel.y > 11.5 && t.pixel.y < 18.5;
+      EXPECT_EQ(t.taken, within) << "the chip's own texels, up to the pixels that are its own";
+      ++own;
+    }
+    EXPECT_GE(own, 81);
+  }
+}
+
+TEST(BatchedGather, GutterBeyondASilhouetteTakesNothing) {
+  const auto chip = wall_and_chip(3).gathered(1);
+  int gutter = 0;
+  for (std::size_t i = 0; i < chip.texels.values.size(); ++i) {
+    if (chip.owners.values[i].polygon < 0 || chip.owners.values[i].inside) continue;
+    ++gutter;
+    EXPECT_TRUE(chip.texels.values[i].in_picture);
+    EXPECT_FALSE(chip.texels.values[i].taken);
+  }
+  EXPECT_GE(gutter, 2 * 4 * 8);
+}
+
+TEST(BatchedGather, GutterTakesTheNeighboursColoursWhereTheSurfaceGoesOn) {
+  // Two halves of a wall that is slightly bent between them.
+  const Extracted e(pinhole(40, 30, 40),
+                    model_of({facing_rectangle(-0.8, -0.6, 0.01, 0.6, 2),
+                              {{0.01, -0.6, 2}, {0.01, 0.6, 2}, {0.8, 0.6, 2.1}, {0.8, -0.6, 2.1}}}),
+                    40, 3);
+  const auto left = e.gathered(0);
+  int beyond = 0;
+  for (std::size_t i = 0; i < left.texels.values.size(); ++i) {
+    const TexelOwner& owner = left.owners.values[i];
+    const GatheredTexel& t = left.texels.values[i];
+    if (owner.polygon < 0 || owner.inside || t.pixel.x < 20.2 || t.pixel.y < 4.5 || t.pixel.y > 25.5) continue;
+    EXPECT_TRUE(t.taken) << t.pixel.x << ", " << t.pixel.y;
+    ++beyond;
+  }
+  EXPECT_GE(beyond, 2 * 40);
+}
+
+TEST(BatchedGather, GutterSurroundsTheOutlineAndOwnTexelsWin) {
+  const Extracted e(pinhole(40, 30, 40), model_of({facing_rectangle(-0.5, -0.25, 0.5, 0.25, 2)}), 20, 0);
+  const Image<TexelOwner> owners = texel_owners(e.model, e.layout, 0, {true});
+  int inside = 0, gutter = 0;
+  for (const TexelOwner& owner : owners.values) {
+    if (owner.inside) ++inside;
+    if (owner.polygon >= 0 && !owner.inside) ++gutter;
+  }
+  EXPECT_EQ(inside, 20 * 10);
+  // Two rows and columns about it, and at each corner the three texels whose centres are within 2 of it.
+  EXPECT_EQ(gutter, 2 * 2 * (20 + 10) + 4 * 3);
+  const Image<TexelOwner> back = texel_owners(e.model, e.layout, 0, {false});
+  EXPECT_EQ(std::count_if(back.values.begin(), back.values.end(), [](const auto& o) { return o.polygon >= 0; }), 200);
+}
+
+TEST(BatchedGather, BackFacesTakeNothing) {
+  auto back = facing_rectangle(-0.5, -0.4, 0.5, 0.4, 2);
+  std::swap(back[1], back[3]);
+  const Extracted e(pinhole(40, 30, 40), model_of({back}), 40, 3);
+  for (const GatheredTexel& t : e.gathered(0).texels.values) EXPECT_FALSE(t.taken || t.in_picture);
+}
+
+TEST(BatchedGather, ANearPolygonIsSampledMoreOften) {
+  // 4 texels a metre at 5 m, focal length 60: 3 pixels a texel.
+  Extracted e(pinhole(60, 50, 60), model_of({facing_rectangle(-2, -1.5, 2, 1.5, 5)}), 4, 0);
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      // Alternate columns: one sample sees anything between them, three see their mean, the middle one counted once.
+      e.frame.picture.at<cv::Vec3b>(y, x) = x % 2 == 0 ? cv::Vec3b(0, 0, 0) : cv::Vec3b(90, 90, 90);
+    }
+  }
+  const auto g = e.gathered(0);
+  const auto triangle = [](double u) {  // the picture between its columns
+    const double phase = std::fmod(u - 0.5, 2);
+    return 90 * (phase < 1 ? phase : 2 - phase);
+  };
+  int taken = 0;
+  for (const GatheredTexel& t : g.texels.values) {
+    if (!t.taken) continue;
+    EXPECT_NEAR(t.step, 3, 1e-9);
+    const double expected = (triangle(t.pixel.x - 1) + triangle(t.pixel.x) + triangle(t.pixel.x + 1)) / 3;
+    EXPECT_NEAR(t.colour.x, expected, 1e-9);
+    ++taken;
+  }
+  EXPECT_GT(taken, 100);
+}
+
+/// A texture of one row; nothing: a hole.
+Texture row(const std::vector<std::optional<double>>& values) {
+  Texture result(static_cast<int>(values.size()), 1);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    result.valid.values[i] = values[i].has_value() ? 1 : 0;
+    result.colour.values[i] = glm::dvec3(values[i].value_or(1e6));
+  }
+  return result;
+}
+
+TEST(BatchedFusion, NewestWinsAndALatePictureOnlyFills) {
+  const Extracted e(pinhole(40, 30, 40), model_of({facing_rectangle(-0.5, -0.25, 0.5, 0.25, 2)}), 20, 0);
+  BatchedExtractionOracle oracle(e.model, e.layout, e.options);
+  const ChartGroup& block = e.layout.groups[0];
+  const auto picture = [&](const std::vector<int>& columns, double grey) {
+    BatchedExtractionOracle::Gathered g;
+    g.texels = Image<GatheredTexel>(block.size.x, block.size.y);
+    for (const int x : columns) {
+      g.texels.at(x, 0).taken = true;
+      g.texels.at(x, 0).colour = glm::dvec3(grey);
+    }
+    return g;
+  };
+  const auto expect = [&](const std::vector<double>& greys) {
+    for (std::size_t x = 0; x < greys.size(); ++x) {
+      const auto i = static_cast<int>(x);
+      EXPECT_EQ(oracle.observed(0).valid.at(i, 0) != 0, greys[x] > 0) << x;
+      if (greys[x] > 0) {
+        EXPECT_EQ(oracle.observed(0).colour.at(i, 0).x, greys[x]) << x;
+      }
+    }
+  };
+  EXPECT_FALSE(BatchedExtractionOracle::any_observed(oracle.observed(0)));
+  oracle.fuse_group(0, Timestamp{20}, picture({0, 1}, 50));
+  expect({50, 50, 0, 0});
+  oracle.fuse_group(0, Timestamp{30}, picture({1, 2}, 60));
+  expect({50, 60, 60, 0});
+  oracle.fuse_group(0, Timestamp{10}, picture({0, 1, 2, 3}, 70));
+  expect({50, 60, 60, 70});
+  oracle.fuse_group(0, Timestamp{25}, picture({3}, 80));
+  expect({50, 60, 60, 70});
+  oracle.fuse_group(0, Timestamp{30}, picture({3}, 90));
+  expect({50, 60, 60, 90});
+  EXPECT_TRUE(BatchedExtractionOracle::any_observed(oracle.observed(0)));
+}
+
+TEST(BatchedPull, WeighsByWhatWasObserved) {
+  Texture base(4, 2);
+  const auto set = [&](int x, int y, double grey) {
+    base.valid.at(x, y) = 1;
+    base.colour.at(x, y) = glm::dvec3(grey);
+  };
+  set(0, 0, 10), set(1, 0, 30), set(0, 1, 50), set(1, 1, 70), set(3, 1, 100);
+  const std::vector<ShareLevel> levels = levels_from(level_of(base));
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_EQ(levels[1].share.values, (std::vector<double>{1, 0.25}));
+  EXPECT_NEAR(levels[1].colour.at(0, 0).x, 40, 1e-12);
+  EXPECT_NEAR(levels[1].colour.at(1, 0).x, 100, 1e-12);
+  EXPECT_NEAR(levels[2].colour.at(0, 0).x, (4 * 40 + 100) / 5.0, 1e-12) << "five texels, each counts once";
+  EXPECT_NEAR(levels[2].share.at(0, 0), 0.625, 1e-12);
+}
+
+TEST(BatchedPull, OddSizesAreRoundedUpAndWhatLiesBeyondDoesNotCount) {
+  ShareLevel level(5, 3);
+  for (double& share : level.share.values) share = 1;
+  for (int x = 0; x < 5; ++x) {
+    for (int y = 0; y < 3; ++y) level.colour.at(x, y) = glm::dvec3(10 * x + y);
+  }
+  const ShareLevel up = pull_by_share(level);
+  ASSERT_EQ(up.width(), 3);
+  ASSERT_EQ(up.height(), 2);
+  for (const double share : up.share.values) EXPECT_NEAR(share, 1, 1e-12);
+  EXPECT_NEAR(up.colour.at(2, 1).x, 42, 1e-12);
+  EXPECT_NEAR(up.colour.at(2, 0).x, 40.5, 1e-12);
+}
+
+TEST(BatchedPull, LittleIsNeverNothing) {
+  Texture base(64, 64);
+  base.valid.at(17, 40) = 1;
+  base.colour.at(17, 40) = {9, 8, 7};
+  const std::vector<ShareLevel> levels = levels_from(level_of(base));
+  ASSERT_EQ(levels.size(), 7u);
+  EXPECT_NEAR(levels[3].share.at(2, 5), 1.0 / 64, 1e-12);
+  EXPECT_NEAR(levels[4].share.at(1, 2), 1.0 / 255, 1e-12);
+  EXPECT_NEAR(levels[6].share.at(0, 0), 1.0 / 255, 1e-12);
+  EXPECT_EQ(levels[6].colour.at(0, 0), glm::dvec3(9, 8, 7));
+}
+
+TEST(BatchedPush, WeighsEachLevelByItsShareAndKeepsWhatIsObserved) {
+  // Level 1: {12 (all), 30 (half)}; tip: (2 * 12 + 30) / 3 = 18, share 3/4.
+  // Down: F_1 = {12, 0.5 * 30 + 0.5 * 18 = 24}; F_0's hole is 1/4 of 12 and 3/4 of 24, clamped at the right: 24.
+  const std::vector<ShareLevel> levels = levels_from(level_of(row({10, 14, 30, std::nullopt})));
+  ASSERT_EQ(levels.size(), 3u);
+  const std::vector<ColourImage> f = push_by_share(levels);
+  EXPECT_NEAR(f[2].at(0, 0).x, 18, 1e-12);
+  EXPECT_NEAR(f[1].at(0, 0).x, 12, 1e-12);
+  EXPECT_NEAR(f[1].at(1, 0).x, 24, 1e-12);
+  const std::vector<double> expected{10, 14, 30, 24};
+  for (int x = 0; x < 4; ++x) EXPECT_NEAR(f[0].at(x, 0).x, expected[static_cast<std::size_t>(x)], 1e-12);
+  const std::vector<ColourImage> hole = push_by_share(levels_from(level_of(row({10, std::nullopt, 30, 30}))));
+  EXPECT_NEAR(hole[0].at(1, 0).x, 0.75 * (0.5 * 10 + 0.5 * 70 / 3) + 0.25 * 30, 1e-12) << "enlarged bilinearly";
+}
+
+TEST(BatchedPush, EnlargesWithinTheBlock) {
+  ColourImage coarse(3, 1);
+  for (int x = 0; x < 3; ++x) coarse.at(x, 0) = glm::dvec3(8 * x);
+  const ColourImage fine = enlarge(coarse, 5, 2);
+  const std::vector<double> expected{0, 2, 6, 10, 14};
+  for (int x = 0; x < 5; ++x) {
+    EXPECT_NEAR(fine.at(x, 0).x, expected[static_cast<std::size_t>(x)], 1e-12);
+    EXPECT_NEAR(fine.at(x, 1).x, expected[static_cast<std::size_t>(x)], 1e-12);
+  }
+}
+
+TEST(BatchedPush, LevelFourStaysUnlessItChanged) {
+  ColourImage before(3, 1), fresh(3, 1);
+  before.at(0, 0) = {100, 100, 100}, fresh.at(0, 0) = {101, 99, 101.4};
+  before.at(1, 0) = {100, 100, 100}, fresh.at(1, 0) = {100, 98.4, 100};
+  before.at(2, 0) = {0, 0, 0}, fresh.at(2, 0) = {200, 0, 0};
+  const ColourImage result = renewed(before, fresh);
+  EXPECT_EQ(result.at(0, 0), before.at(0, 0));
+  EXPECT_EQ(result.at(1, 0), fresh.at(1, 0));
+  EXPECT_EQ(result.at(2, 0), fresh.at(2, 0));
+}
+
+}  // namespace
+}  // namespace foreview::oracle
