@@ -31,20 +31,20 @@ namespace foreview {
 ///    pixels. A cell with an open pair among its four edges, or an unusable pixel, takes nothing. (l, u and R are
 ///    stored as half floats.)
 /// 5. *Gather and fuse*: every texel whose centre lies in a polygon that shows its front, or within kChartGutter texels
-///    of an edge of it that is the chart's outline (a polygon's own texels win over others' gutter), is the point of
-///    the polygon's plane above it, with 1/z = w at the pixel (u, v). It takes the bilinear sample there if z >
-///    near_plane, all four pixels are in the picture and [w - s, w + s] meets the cell's [l, u], with s the least of
-///    |a| + |b| and the polygon's range of 1/z: what is wrong by less than a pixel is right. Else the old texel stays.
-///    A polygon so near that its texels can be larger than kFootprint pixels (greatest focal length * greatest 1/z of
-///    its corners / least density of its chart) is sampled more often: n x m samples, n and m the length of a texel's
-///    step along x and y in pixels (the projection's derivative), less 1/1000 and rounded up, 1..4; all must pass;
-///    their mean is taken. Newest wins: if a chart has been written from a newer picture, only texels without
-///    observation take anything.
+///    of an edge of it that is the chart's outline, beside the edge or beyond a corner of two such edges (a polygon's
+///    own texels win over others' gutter), is the point of the polygon's plane above it, with 1/z = w at the pixel (u,
+///    v). It takes the bilinear sample there if z > near_plane, all four pixels are in the picture and [w - s, w + s]
+///    meets the cell's [l, u], with s the least of |a| + |b| and the polygon's range of 1/z: what is wrong by less than
+///    a pixel is right. Else the old texel stays. A polygon so near that its texels can be larger than kFootprint
+///    pixels (greatest focal length * greatest 1/z of its corners / least density of its chart) is sampled more often:
+///    n x m samples, n and m the length of a texel's step along x and y in pixels (the projection's derivative), less
+///    1/1000 and rounded up, 1..4; all must pass; their mean is taken. Newest wins: if a newer picture has had a front
+///    of the chart in it, even a hidden one, only texels without observation take anything.
 /// 6. *Pull*: level k's texel is the mean of the observed colours among its 4 children, each weighted by the share of
 /// it
-///    that was observed; alpha is that share (at least 1/255 if any). 16 x 16 texels make one of level 4; above, a
-///    chart's own level has half its size, rounded up (what lies beyond the chart does not count), up to a single
-///    texel.
+///    that was observed; alpha is that share (at least 1/255 if any). 16 x 16 texels make one of level 4;
+///    above, a chart's own level has half its size, rounded up (what lies beyond the chart does not count), up to a
+///    single texel.
 /// 7. *Push* down: F = the tip's colour; F_k = m * pulled_k + (1 - m) * (F_{k+1} enlarged bilinearly, kept within the
 ///    chart's block), with m = min(1, 2 * share), down to level 1; at level 0 only where nothing is observed. These F
 ///    are the levels that are shown: what little was observed of a texel does not decide about all of it, so there is

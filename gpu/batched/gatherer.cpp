@@ -1,6 +1,7 @@
 #include "foreview/gpu/batched/gatherer.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 namespace foreview::batched {
@@ -32,26 +33,34 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
                       double near_plane, GLuint undistorted, const PictureBounds& bounds, const PatchLists& patches,
                       const LayerTargets& into) {
   if (camera.width < 2 || camera.height < 2) return;
-  // Gutters first: a polygon's own texels win over them. One class after the other; late ones fill only, and close
-  // ones take several samples.
+  // A polygon's own texels win over others' gutter: so gutters come first, or last where only holes are filled. Close
+  // polygons take several samples.
   indices_.clear();
   texels_ = 0;
-  std::size_t ends[4] = {};
   const std::vector<PictureSetup::Visible>& visible = setup.visible();
-  for (std::size_t kind = 0; kind < 4; ++kind) {
-    const auto add = [&](bool own) {
-      for (const auto& [polygon, is_close] : visible) {
-        if ((is_late[layout_.charts[polygon].group] ? 2U : 0U) + (is_close ? 1U : 0U) != kind) continue;
-        const ChartGeometry::Range& range =
-            own ? geometry_.own_triangles(polygon) : geometry_.gutter_triangles(polygon);
-        const auto begin = geometry_.chart_indices().begin() + range.first;
-        indices_.insert(indices_.end(), begin, begin + range.count);
-        if (own) texels_ += static_cast<std::size_t>(geometry_.texels(polygon));
-      }
-    };
-    add(false);
-    add(true);
-    ends[kind] = indices_.size();
+  const auto add = [&](bool late, bool close, bool own) {
+    for (const auto& [polygon, is_close] : visible) {
+      if (is_late[layout_.charts[polygon].group] != late || is_close != close) continue;
+      const ChartGeometry::Range& range = own ? geometry_.own_triangles(polygon) : geometry_.gutter_triangles(polygon);
+      const auto begin = geometry_.chart_indices().begin() + range.first;
+      indices_.insert(indices_.end(), begin, begin + range.count);
+      if (own) texels_ += static_cast<std::size_t>(geometry_.texels(polygon));
+    }
+  };
+  struct Draw {
+    bool late = false, close = false;
+    std::size_t end = 0;
+  };
+  std::array<Draw, 6> draws;
+  std::size_t draw_count = 0;
+  for (const bool late : {false, true}) {
+    add(late, false, late);
+    draws[draw_count++] = {late, false, indices_.size()};
+    add(late, true, late);
+    add(late, true, !late);
+    draws[draw_count++] = {late, true, indices_.size()};
+    add(late, false, !late);
+    draws[draw_count++] = {late, false, indices_.size()};
   }
   glNamedBufferSubData(index_buffer_.id(), 0, static_cast<GLsizeiptr>(indices_.size() * sizeof(std::uint32_t)),
                        indices_.data());
@@ -66,10 +75,10 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
   for (GLenum i = 0; i < kClipDistances; ++i) glEnable(GL_CLIP_DISTANCE0 + i);
   glViewport(0, 0, layout_.page_size, layout_.page_size);
   std::size_t first = 0;
-  for (std::size_t kind = 0; kind < 4; ++kind) {
-    const std::size_t count = ends[kind] - first;
+  for (const Draw& draw : draws) {
+    const std::size_t count = draw.end - first;
     if (count == 0) continue;
-    glUseProgram(kind & 1 ? footprint_.id() : one_sample_.id());
+    glUseProgram(draw.close ? footprint_.id() : one_sample_.id());
     glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
     glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
     glUniform2f(2, static_cast<float>(camera.width), static_cast<float>(camera.height));
@@ -78,7 +87,7 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
     glUniform2i(5, camera.width - 2, camera.height - 2);
     glUniform2f(6, 1.0F / static_cast<float>(room_width), 1.0F / static_cast<float>(room_height));
     glUniform1ui(7, patches.picture_number());
-    if (kind & 2) {
+    if (draw.late) {
       glEnable(GL_BLEND);
       glBlendFuncSeparate(GL_ONE_MINUS_DST_ALPHA, GL_DST_ALPHA, GL_ONE, GL_ONE);
     }
@@ -89,7 +98,7 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
                      reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
       ++draws_;
     }
-    first = ends[kind];
+    first = draw.end;
   }
   glDisable(GL_BLEND);
   for (GLenum i = 0; i < kClipDistances; ++i) glDisable(GL_CLIP_DISTANCE0 + i);

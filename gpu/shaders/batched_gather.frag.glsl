@@ -2,6 +2,7 @@
 // Rule 5. Without FOOTPRINT only for texels smaller than a pixel.
 layout(binding = 0) uniform sampler2D picture;  // bilinear
 layout(binding = 1) uniform sampler2D bounds;
+layout(location = 3) uniform float near_plane;  // metres
 layout(location = 5) uniform ivec2 last_cell;
 layout(location = 6) uniform vec2 pixel_to_uv;
 noperspective in vec3 v_homogeneous;
@@ -10,7 +11,7 @@ layout(location = 0) out vec4 colour;
 
 bool is_safe(float w, vec2 pixel) {
   vec2 limits = texelFetch(bounds, clamp(ivec2(pixel - 0.5), ivec2(0), last_cell), 0).rg;
-  return w + v_slack >= limits.x && w - v_slack <= limits.y;
+  return limits.x <= limits.y && w + v_slack >= limits.x && w - v_slack <= limits.y;
 }
 
 void main() {
@@ -28,7 +29,8 @@ void main() {
       vec3 h = v_homogeneous + along_x * (x / cells.x - 0.5) + along_y * (y / cells.y - 0.5);
       float own = 1.0 / h.z;
       vec2 at = h.xy * own;
-      safe = safe && is_safe(own, at);
+      // The texel's centre is in the picture, but its samples need not be.
+      safe = safe && h.z > near_plane && clamp(at, vec2(0.5), vec2(last_cell) + 1.5) == at && is_safe(own, at);
       sum += textureLod(picture, at * pixel_to_uv, 0.0).rgb;
     }
   }
