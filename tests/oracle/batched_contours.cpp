@@ -5,9 +5,14 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "oracle/visibility.h"
+#include "oracle/projection.h"
 
 namespace foreview::oracle {
+namespace {
+
+constexpr double kEdgeDoubt = 1.0 / 64;  // pixels that a rasteriser may move an edge by, and more
+
+}  // namespace
 
 double InverseRange::keep(double w) const {
   return std::min(std::max(w, least), greatest);
@@ -20,38 +25,74 @@ PictureSurface picture_surface(const PolygonModel& model, std::size_t polygon, c
   const glm::dvec3 normal = camera_from_part.rotate(p.normal);
   const double offset = p.offset + glm::dot(normal, camera_from_part.translation);
   PictureSurface result;
+  result.camera_from_part = camera_from_part;
   result.front = offset < 0;
+  result.shown = result.front && !project(model, polygon, camera, state, near_plane).box.empty();
   // dot(normal, z ray) == offset, and a ray is ((u - c_u) / f_u, (v - c_v) / f_v, 1).
   result.a = normal.x / camera.focal_length.x / offset;
   result.b = normal.y / camera.focal_length.y / offset;
   result.origin = normal.z / offset - result.a * camera.principal_point.x - result.b * camera.principal_point.y;
+  double deviation = 1e-6;  // metres, what single precision may move a corner by
   for (std::size_t i = 0; i < p.corner_count; ++i) {
+    deviation = std::max(deviation, std::abs(glm::dot(p.normal, model.corner(polygon, i)) - p.offset));
     const double w = 1 / std::max((camera_from_part * model.corner(polygon, i)).z, near_plane);
     result.range.least = i == 0 ? w : std::min(result.range.least, w);
     result.range.greatest = std::max(result.range.greatest, w);
   }
+  result.doubt = deviation / std::abs(offset);
   return result;
 }
 
 Image<Surface> surfaces(const PolygonModel& model, const CameraModel& camera, const CaptureState& state,
                         double near_plane) {
-  const Visibility seen = visibility(model, camera, state, near_plane);
+  struct Candidate {
+    int polygon = -1;
+    double distance = 0;  // pixels from the polygon's outline, positive inside
+  };
+  Image<std::vector<Candidate>> candidates(camera.width, camera.height);
   std::vector<PictureSurface> polygons;
   for (std::size_t i = 0; i < model.polygons().size(); ++i) {
     polygons.push_back(picture_surface(model, i, camera, state, near_plane));
+    const ProjectedPolygon projected = project(model, i, camera, state, near_plane);
+    for (int y = projected.grown_box.top; y < projected.grown_box.bottom; ++y) {
+      for (int x = projected.grown_box.left; x < projected.grown_box.right; ++x) {
+        const double distance = projected.signed_distance({x + 0.5, y + 0.5});
+        if (distance >= -kEdgeDoubt) candidates.at(x, y).push_back({static_cast<int>(i), distance});
+      }
+    }
   }
   Image<Surface> result(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
+      const auto polygon_of = [&](const Candidate& c) -> const PictureSurface& {
+        return polygons[static_cast<std::size_t>(c.polygon)];
+      };
+      const auto w_of = [&](const Candidate& c) {
+        return polygon_of(c).range.keep(polygon_of(c).plane_at(x + 0.5, y + 0.5));
+      };
+      Candidate nearest;
+      for (const Candidate& c : candidates.at(x, y)) {
+        if (c.distance >= 0 && (nearest.polygon < 0 || w_of(c) > w_of(nearest))) nearest = c;
+      }
       Surface& surface = result.at(x, y);
-      surface.polygon = seen.nearest.at(x, y).polygon;
-      surface.doubtful = seen.candidates.at(x, y).size() != 1;
-      if (surface.polygon < 0) continue;
-      const PictureSurface& polygon = polygons[static_cast<std::size_t>(surface.polygon)];
-      surface.a = polygon.a;
-      surface.b = polygon.b;
-      surface.range = polygon.range;
-      surface.w = surface.range.keep(polygon.plane_at(x + 0.5, y + 0.5));
+      // Moved edges move depths with them.
+      const auto doubt_of = [&](const Candidate& c) {
+        return kEdgeDoubt * (std::abs(polygon_of(c).a) + std::abs(polygon_of(c).b)) +
+               (1e-5 + polygon_of(c).doubt) * w_of(c);
+      };
+      for (const Candidate& c : candidates.at(x, y)) {
+        const bool is_rival = c.polygon != nearest.polygon;
+        if (is_rival && (nearest.polygon < 0 || w_of(c) + doubt_of(c) >= w_of(nearest) - doubt_of(nearest))) {
+          surface.doubtful = true;
+        }
+      }
+      if (nearest.polygon < 0) continue;
+      if (nearest.distance <= kEdgeDoubt) surface.doubtful = true;
+      surface.polygon = nearest.polygon;
+      surface.a = polygon_of(nearest).a;
+      surface.b = polygon_of(nearest).b;
+      surface.range = polygon_of(nearest).range;
+      surface.w = w_of(nearest);
     }
   }
   return result;

@@ -21,10 +21,13 @@ struct InverseRange {
 
 /// A polygon as the camera without distortion sees it: 1/z is linear over the picture.
 struct PictureSurface {
+  Pose camera_from_part;
   bool front = false;   ///< the camera stands before its plane
+  bool shown = false;   ///< a front, some of which is in the picture, hidden or not
   double origin = 0;    ///< 1/z of the plane at pixel coordinates (0, 0)
   double a = 0, b = 0;  ///< its slopes along u and v, 1/m per pixel
   InverseRange range;
+  double doubt = 0;  ///< relative: how much its corners' distance from the plane and rounding can change 1/z
   [[nodiscard]] double plane_at(double u, double v) const { return origin + a * u + b * v; }
 };
 [[nodiscard]] PictureSurface picture_surface(const PolygonModel& model, std::size_t polygon, const CameraModel& camera,

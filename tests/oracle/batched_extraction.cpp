@@ -7,7 +7,8 @@ namespace foreview::oracle {
 BatchedExtractionOracle::BatchedExtractionOracle(const PolygonModel& model, const ChartLayout& layout,
                                                  const BatchedOptions& options)
     : model_(model), layout_(layout), options_(options) {
-  for (const ChartGroup& group : layout.groups) charts_.push_back({Texture(group.size.x, group.size.y), std::nullopt});
+  for (const ChartGroup& group : layout.groups)
+    charts_.push_back({Texture(group.size.x, group.size.y), std::nullopt, std::nullopt});
 }
 
 BatchedPicture BatchedExtractionOracle::look(const CameraFrame& frame) const {
@@ -23,6 +24,7 @@ BatchedPicture BatchedExtractionOracle::look(const CameraFrame& frame) const {
 BatchedExtractionOracle::Gathered BatchedExtractionOracle::gather_group(std::size_t group, const CameraFrame& frame,
                                                                         const ColourImage& colour,
                                                                         const Image<Cell>& cells) const {
+  Gathered result;
   const ChartGroup& block = layout_.groups[group];
   const auto members = layout_.members_of(block);
   std::vector<PictureSurface> members_surfaces;
@@ -30,11 +32,11 @@ BatchedExtractionOracle::Gathered BatchedExtractionOracle::gather_group(std::siz
   for (const std::uint32_t polygon : members) {
     members_surfaces.push_back(picture_surface(model_, polygon, frame.camera, frame.state, options_.near_plane));
     front.push_back(members_surfaces.back().front);
+    result.shown = result.shown || members_surfaces.back().shown;
   }
-  Gathered result;
   result.texels = Image<GatheredTexel>(block.size.x, block.size.y);
   result.owners = texel_owners(model_, layout_, group, front);
-  const GatherSource source{&colour, &cells, frame.camera, frame.state, options_.near_plane};
+  const GatherSource source{&colour, &cells, frame.camera, options_.near_plane};
   for (int y = 0; y < block.size.y; ++y) {
     for (int x = 0; x < block.size.x; ++x) {
       const TexelOwner& owner = result.owners.at(x, y);
@@ -44,31 +46,37 @@ BatchedExtractionOracle::Gathered BatchedExtractionOracle::gather_group(std::siz
           static_cast<std::size_t>(std::lower_bound(members.begin(), members.end(), polygon) - members.begin());
       if (!front[member]) continue;
       const glm::dvec2 texel = glm::dvec2(block.origin) + glm::dvec2(x + 0.5, y + 0.5);
-      result.texels.at(x, y) = gather(model_, layout_, polygon, members_surfaces[member], texel, source);
+      result.texels.at(x, y) = gather(layout_.charts[polygon], members_surfaces[member], texel, source);
     }
   }
   return result;
 }
 
+bool BatchedExtractionOracle::is_late(std::size_t group, Timestamp stamp) const {
+  const std::optional<Timestamp>& newest = charts_[group].newest;
+  return newest.has_value() && *newest > stamp;
+}
+
 void BatchedExtractionOracle::fuse_group(std::size_t group, Timestamp stamp, const Gathered& gathered) {
   ChartState& chart = charts_[group];
-  const bool late = chart.newest.has_value() && *chart.newest > stamp;
-  bool written = false;
+  const bool late = is_late(group, stamp);
   for (std::size_t i = 0; i < gathered.texels.values.size(); ++i) {
     const GatheredTexel& texel = gathered.texels.values[i];
     if (!texel.taken || (late && chart.observed.valid.values[i] != 0)) continue;
     chart.observed.valid.values[i] = 1;
     chart.observed.colour.values[i] = texel.colour;
-    written = true;
   }
-  if (written && !late) chart.newest = stamp;
+  if (gathered.shown && !late) chart.newest = stamp;
 }
 
-void BatchedExtractionOracle::extract(const CameraFrame& frame) {
-  const BatchedPicture picture = look(frame);
-  for (std::size_t i = 0; i < charts_.size(); ++i) {
-    fuse_group(i, frame.state.stamp, gather_group(i, frame, picture.picture.colour, picture.cells));
-  }
+std::vector<ColourImage> BatchedExtractionOracle::fill_group(std::size_t group) {
+  ChartState& chart = charts_[group];
+  const FourthLevel* before = chart.fourth_level.has_value() ? &*chart.fourth_level : nullptr;
+  const std::vector<ShareLevel> levels = levels_from(level_of(chart.observed));
+  std::vector<ColourImage> result = shown_levels(levels, 4, before);
+  chart.fourth_level = FourthLevel{result[4], levels[4].share};
+  result.resize(kChartLevels);
+  return result;
 }
 
 bool BatchedExtractionOracle::any_observed(const Texture& texture) {

@@ -32,13 +32,16 @@ class BatchedExtractionOracle {
   struct Gathered {
     Image<TexelOwner> owners;
     Image<GatheredTexel> texels;
+    bool shown = false;  ///< a front of the chart's was in the picture
   };
   [[nodiscard]] Gathered gather_group(std::size_t group, const CameraFrame& frame, const ColourImage& colour,
                                       const Image<Cell>& cells) const;
+  /// Whether a newer picture than this has shown the chart.
+  [[nodiscard]] bool is_late(std::size_t group, Timestamp stamp) const;
   /// Rule 5's fusion: newest wins.
   void fuse_group(std::size_t group, Timestamp stamp, const Gathered& gathered);
-  /// look(), gather_group() and fuse_group() of every group.
-  void extract(const CameraFrame& frame);
+  /// Rules 6 and 7: the colours of levels 0 to 4, the observed ones of level 0 as they are. Only where any is.
+  [[nodiscard]] std::vector<ColourImage> fill_group(std::size_t group);
 
   /// Level 0 of a group's block: what is observed.
   [[nodiscard]] const Texture& observed(std::size_t group) const { return charts_[group].observed; }
@@ -48,6 +51,7 @@ class BatchedExtractionOracle {
   struct ChartState {
     Texture observed;
     std::optional<Timestamp> newest;
+    std::optional<FourthLevel> fourth_level;  ///< as it was shown last
   };
   const PolygonModel& model_;
   const ChartLayout& layout_;

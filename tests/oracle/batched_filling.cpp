@@ -53,25 +53,31 @@ ColourImage enlarge(const ColourImage& coarser, int w, int h) {
   return result;
 }
 
-std::vector<ColourImage> push_by_share(const std::vector<ShareLevel>& levels) {
-  std::vector<ColourImage> result(levels.size());
-  result.back() = levels.back().colour;
-  for (std::size_t k = levels.size() - 1; k-- > 0;) {
-    const ShareLevel& level = levels[k];
-    result[k] = enlarge(result[k + 1], level.width(), level.height());
-    for (std::size_t i = 0; i < result[k].values.size(); ++i) {
-      const double share = level.share.values[i];
-      result[k].values[i] = share * level.colour.values[i] + (1 - share) * result[k].values[i];
-    }
+ColourImage push_by_share(const ShareLevel& level, const ColourImage& coarser) {
+  ColourImage result = enlarge(coarser, level.width(), level.height());
+  for (std::size_t i = 0; i < result.values.size(); ++i) {
+    const double own = std::min(1.0, 2 * level.share.values[i]);
+    result.values[i] = own * level.colour.values[i] + (1 - own) * result.values[i];
   }
   return result;
 }
 
-ColourImage renewed(const ColourImage& before, const ColourImage& fresh) {
-  ColourImage result = fresh;
-  for (std::size_t i = 0; i < fresh.values.size(); ++i) {
-    const glm::dvec3 d = fresh.values[i] - before.values[i];
-    if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1.5) result.values[i] = before.values[i];
+ColourImage renewed(const FourthLevel& before, const FourthLevel& fresh) {
+  ColourImage result = fresh.colour;
+  for (std::size_t i = 0; i < result.values.size(); ++i) {
+    const glm::dvec3 d = fresh.colour.values[i] - before.colour.values[i];
+    const bool is_near = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1.5;
+    if (is_near && fresh.share.values[i] == before.share.values[i]) result.values[i] = before.colour.values[i];
+  }
+  return result;
+}
+
+std::vector<ColourImage> shown_levels(const std::vector<ShareLevel>& levels, std::size_t fourth,
+                                      const FourthLevel* before) {
+  std::vector<ColourImage> result(levels.size());
+  for (std::size_t k = levels.size(); k-- > 0;) {
+    result[k] = k + 1 == levels.size() ? levels[k].colour : push_by_share(levels[k], result[k + 1]);
+    if (k == fourth && before != nullptr) result[k] = renewed(*before, {result[k], levels[k].share});
   }
   return result;
 }

@@ -24,10 +24,18 @@ struct ShareLevel {
 
 /// `coarser` enlarged bilinearly to twice its size, cut to w x h; kept within its own texels.
 [[nodiscard]] ColourImage enlarge(const ColourImage& coarser, int w, int h);
-/// Rule 7: the colours of each of the levels, the last being the tip. Level 0 is to have shares of 0 and 1 only: then
-/// it keeps what is observed.
-[[nodiscard]] std::vector<ColourImage> push_by_share(const std::vector<ShareLevel>& levels);
-/// Rule 7 at level 4: what changed by no more than 1.5/255 in each channel stays as it was.
-[[nodiscard]] ColourImage renewed(const ColourImage& before, const ColourImage& fresh);
+/// Rule 7, one level down. A level 0 has shares of 0 and 1 only, and so keeps what is observed.
+[[nodiscard]] ColourImage push_by_share(const ShareLevel& level, const ColourImage& coarser);
+/// Rule 7 at level 4.
+struct FourthLevel {
+  ColourImage colour;  ///< as it is shown
+  AlphaImage share;    ///< of the texels below that are observed
+};
+/// What changed by no more than 1.5/255 in each channel stays as it was, if as much is observed as was.
+[[nodiscard]] ColourImage renewed(const FourthLevel& before, const FourthLevel& fresh);
+/// Rule 7: the colours of each of the levels, the last being the tip. `fourth` is the index of level 4, and `before`
+/// what it was so far; null: there are none that could stay.
+[[nodiscard]] std::vector<ColourImage> shown_levels(const std::vector<ShareLevel>& levels, std::size_t fourth,
+                                                    const FourthLevel* before);
 
 }  // namespace foreview::oracle

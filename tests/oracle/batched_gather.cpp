@@ -12,10 +12,20 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-double distance_to_segment(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& p) {
+constexpr double kNotThere = std::numeric_limits<double>::infinity();
+
+/// From p, beside the edge, to it.
+double distance_beside(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& p) {
   const double length2 = glm::dot(b - a, b - a);
-  const double t = length2 == 0 ? 0 : std::clamp(glm::dot(p - a, b - a) / length2, 0.0, 1.0);
-  return glm::distance(a + (b - a) * t, p);
+  if (length2 == 0) return kNotThere;
+  const double t = glm::dot(p - a, b - a) / length2;
+  return t < 0 || t > 1 ? kNotThere : glm::distance(a + (b - a) * t, p);
+}
+
+/// From p, beyond the corner b of two edges and beside neither of them, to it.
+double distance_beyond(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& p) {
+  if (glm::dot(p - b, b - a) < 0 || glm::dot(p - b, c - b) > 0) return kNotThere;
+  return glm::distance(b, p);
 }
 
 bool contains(const std::vector<glm::dvec2>& outline, const glm::dvec2& p) {
@@ -65,9 +75,14 @@ Image<TexelOwner> texel_owners(const PolygonModel& model, const ChartLayout& lay
           continue;
         }
         if (!front[member]) continue;
-        for (std::size_t i = 0; i < outline.size(); ++i) {
+        const std::size_t count = outline.size();
+        for (std::size_t i = 0; i < count; ++i) {
+          const std::size_t next = (i + 1) % count;
           if (!layout.outline[p.first_corner + i]) continue;
-          const double distance = distance_to_segment(outline[i], outline[(i + 1) % outline.size()], centre);
+          double distance = distance_beside(outline[i], outline[next], centre);
+          if (layout.outline[p.first_corner + next]) {
+            distance = std::min(distance, distance_beyond(outline[i], outline[next], outline[(i + 2) % count], centre));
+          }
           if (distance > kChartGutter || distance >= nearest.at(x, y)) continue;
           nearest.at(x, y) = distance;
           owner = {static_cast<int>(polygon), false};
@@ -101,14 +116,11 @@ int samples_along(double pixels) {
 
 }  // namespace
 
-GatheredTexel gather(const PolygonModel& model, const ChartLayout& layout, std::size_t polygon,
-                     const PictureSurface& surface, const glm::dvec2& texel, const GatherSource& source) {
+GatheredTexel gather(const Chart& chart, const PictureSurface& surface, const glm::dvec2& texel,
+                     const GatherSource& source) {
   GatheredTexel result;
-  const Chart& chart = layout.charts[polygon];
-  const Pose camera_from_part =
-      source.state.world_from_camera.inverse() * source.state.world_from_part[model.polygons()[polygon].part];
   const CameraModel& camera = source.camera;
-  const auto point = [&](const glm::dvec2& t) { return camera_from_part * chart.part_from_texel(t); };
+  const auto point = [&](const glm::dvec2& t) { return surface.camera_from_part * chart.part_from_texel(t); };
   const auto pixel_of = [&](const glm::dvec3& p) {
     return camera.principal_point + camera.focal_length * glm::dvec2(p.x / p.z, p.y / p.z);
   };

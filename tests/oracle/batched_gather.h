@@ -27,7 +27,6 @@ struct GatherSource {
   const ColourImage* colour = nullptr;  ///< undistorted
   const Image<Cell>* cells = nullptr;
   CameraModel camera;
-  CaptureState state;
   double near_plane = 0.02;
 };
 
@@ -41,7 +40,8 @@ struct GatheredTexel {
   double reach = 0;     ///< how much 1/z changes from a pixel to the next: |a| + |b|
   double step = 0;      ///< pixels, the longer of a texel's two steps
 };
-[[nodiscard]] GatheredTexel gather(const PolygonModel& model, const ChartLayout& layout, std::size_t polygon,
-                                   const PictureSurface& surface, const glm::dvec2& texel, const GatherSource& source);
+/// `texel`: continuous coordinates in the page.
+[[nodiscard]] GatheredTexel gather(const Chart& chart, const PictureSurface& surface, const glm::dvec2& texel,
+                                   const GatherSource& source);
 
 }  // namespace foreview::oracle

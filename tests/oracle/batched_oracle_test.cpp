@@ -398,22 +398,13 @@ TEST(BatchedGather, ANearPolygonIsSampledMoreOften) {
   EXPECT_GT(taken, 100);
 }
 
-/// A texture of one row; nothing: a hole.
-Texture row(const std::vector<std::optional<double>>& values) {
-  Texture result(static_cast<int>(values.size()), 1);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    result.valid.values[i] = values[i].has_value() ? 1 : 0;
-    result.colour.values[i] = glm::dvec3(values[i].value_or(1e6));
-  }
-  return result;
-}
-
 TEST(BatchedFusion, NewestWinsAndALatePictureOnlyFills) {
   const Extracted e(pinhole(40, 30, 40), model_of({facing_rectangle(-0.5, -0.25, 0.5, 0.25, 2)}), 20, 0);
   BatchedExtractionOracle oracle(e.model, e.layout, e.options);
   const ChartGroup& block = e.layout.groups[0];
   const auto picture = [&](const std::vector<int>& columns, double grey) {
     BatchedExtractionOracle::Gathered g;
+    g.shown = true;
     g.texels = Image<GatheredTexel>(block.size.x, block.size.y);
     for (const int x : columns) {
       g.texels.at(x, 0).taken = true;
@@ -442,6 +433,13 @@ TEST(BatchedFusion, NewestWinsAndALatePictureOnlyFills) {
   oracle.fuse_group(0, Timestamp{30}, picture({3}, 90));
   expect({50, 60, 60, 90});
   EXPECT_TRUE(BatchedExtractionOracle::any_observed(oracle.observed(0)));
+  // A newer picture in which something hides all of the chart makes the next one late, one that looks away does not.
+  auto nothing = picture({}, 0);
+  nothing.shown = false;
+  oracle.fuse_group(0, Timestamp{50}, nothing);
+  EXPECT_FALSE(oracle.is_late(0, Timestamp{40}));
+  oracle.fuse_group(0, Timestamp{50}, picture({}, 0));
+  EXPECT_TRUE(oracle.is_late(0, Timestamp{40}));
 }
 
 TEST(BatchedPull, WeighsByWhatWasObserved) {
@@ -480,25 +478,35 @@ TEST(BatchedPull, LittleIsNeverNothing) {
   base.colour.at(17, 40) = {9, 8, 7};
   const std::vector<ShareLevel> levels = levels_from(level_of(base));
   ASSERT_EQ(levels.size(), 7u);
+  EXPECT_NEAR(levels[2].share.at(4, 10), 1.0 / 16, 1e-12);
   EXPECT_NEAR(levels[3].share.at(2, 5), 1.0 / 64, 1e-12);
   EXPECT_NEAR(levels[4].share.at(1, 2), 1.0 / 255, 1e-12);
   EXPECT_NEAR(levels[6].share.at(0, 0), 1.0 / 255, 1e-12);
   EXPECT_EQ(levels[6].colour.at(0, 0), glm::dvec3(9, 8, 7));
 }
 
-TEST(BatchedPush, WeighsEachLevelByItsShareAndKeepsWhatIsObserved) {
-  // Level 1: {12 (all), 30 (half)}; tip: (2 * 12 + 30) / 3 = 18, share 3/4.
-  // Down: F_1 = {12, 0.5 * 30 + 0.5 * 18 = 24}; F_0's hole is 1/4 of 12 and 3/4 of 24, clamped at the right: 24.
-  const std::vector<ShareLevel> levels = levels_from(level_of(row({10, 14, 30, std::nullopt})));
-  ASSERT_EQ(levels.size(), 3u);
-  const std::vector<ColourImage> f = push_by_share(levels);
-  EXPECT_NEAR(f[2].at(0, 0).x, 18, 1e-12);
+TEST(BatchedPush, WeighsEachLevelByTwiceItsShareAndKeepsWhatIsObserved) {
+  // Two rows of four. Level 1: {12 (all), 30 (a quarter)}; tip: (4 * 12 + 30) / 5 = 15.6.
+  // Down: F_1 = {12, 0.5 * 30 + 0.5 * 15.6 = 22.8}; a hole beside the left half is 1/4 of 12 and 3/4
+  // of 22.8, one at the right end is 22.8: the enlarging stops at the block.
+  Texture base(4, 2);
+  const auto set = [&](int x, int y, double grey) {
+    base.valid.at(x, y) = 1;
+    base.colour.at(x, y) = glm::dvec3(grey);
+  };
+  set(0, 0, 10), set(1, 0, 14), set(0, 1, 11), set(1, 1, 13), set(2, 0, 30);
+  const std::vector<ColourImage> f = shown_levels(levels_from(level_of(base)), 4, nullptr);
+  ASSERT_EQ(f.size(), 3u);
+  const double tip = 15.6, second = 22.8;
+  EXPECT_NEAR(f[2].at(0, 0).x, tip, 1e-12);
   EXPECT_NEAR(f[1].at(0, 0).x, 12, 1e-12);
-  EXPECT_NEAR(f[1].at(1, 0).x, 24, 1e-12);
-  const std::vector<double> expected{10, 14, 30, 24};
-  for (int x = 0; x < 4; ++x) EXPECT_NEAR(f[0].at(x, 0).x, expected[static_cast<std::size_t>(x)], 1e-12);
-  const std::vector<ColourImage> hole = push_by_share(levels_from(level_of(row({10, std::nullopt, 30, 30}))));
-  EXPECT_NEAR(hole[0].at(1, 0).x, 0.75 * (0.5 * 10 + 0.5 * 70 / 3) + 0.25 * 30, 1e-12) << "enlarged bilinearly";
+  EXPECT_NEAR(f[1].at(1, 0).x, second, 1e-12);
+  EXPECT_EQ(f[0].at(0, 0).x, 10);
+  EXPECT_EQ(f[0].at(2, 0).x, 30);
+  EXPECT_NEAR(f[0].at(2, 1).x, 0.25 * 12 + 0.75 * second, 1e-12);
+  EXPECT_NEAR(f[0].at(3, 1).x, second, 1e-12);
+  set(3, 1, 50);  // half of it observed: nothing comes from above
+  EXPECT_NEAR(shown_levels(levels_from(level_of(base)), 4, nullptr)[1].at(1, 0).x, 40, 1e-12);
 }
 
 TEST(BatchedPush, EnlargesWithinTheBlock) {
@@ -513,14 +521,17 @@ TEST(BatchedPush, EnlargesWithinTheBlock) {
 }
 
 TEST(BatchedPush, LevelFourStaysUnlessItChanged) {
-  ColourImage before(3, 1), fresh(3, 1);
-  before.at(0, 0) = {100, 100, 100}, fresh.at(0, 0) = {101, 99, 101.4};
-  before.at(1, 0) = {100, 100, 100}, fresh.at(1, 0) = {100, 98.4, 100};
-  before.at(2, 0) = {0, 0, 0}, fresh.at(2, 0) = {200, 0, 0};
+  FourthLevel before{ColourImage(4, 1), AlphaImage(4, 1, 0.5)}, fresh = before;
+  before.colour.at(0, 0) = {100, 100, 100}, fresh.colour.at(0, 0) = {101, 99, 101.4};
+  before.colour.at(1, 0) = {100, 100, 100}, fresh.colour.at(1, 0) = {100, 98.4, 100};
+  before.colour.at(2, 0) = {0, 0, 0}, fresh.colour.at(2, 0) = {200, 0, 0};
+  before.colour.at(3, 0) = {100, 100, 100}, fresh.colour.at(3, 0) = {101, 99, 101.4};
+  fresh.share.at(3, 0) = 0.6;
   const ColourImage result = renewed(before, fresh);
-  EXPECT_EQ(result.at(0, 0), before.at(0, 0));
-  EXPECT_EQ(result.at(1, 0), fresh.at(1, 0));
-  EXPECT_EQ(result.at(2, 0), fresh.at(2, 0));
+  EXPECT_EQ(result.at(0, 0), before.colour.at(0, 0));
+  EXPECT_EQ(result.at(1, 0), fresh.colour.at(1, 0));
+  EXPECT_EQ(result.at(2, 0), fresh.colour.at(2, 0));
+  EXPECT_EQ(result.at(3, 0), fresh.colour.at(3, 0)) << "more of it is observed";
 }
 
 }  // namespace
