@@ -126,7 +126,10 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   s.pyramid.push();
   clock.lap(ExtractionStep::filling);
   s.pyramid.write_states(s.store.polygon_states());
-  s.store.spread_to_never_seen(TextureStore::kRimsPerPicture);
+  // Far cheaper than it would be for every picture, where most of the model has never been seen.
+  if (s.patches.picture_number() % BatchedExtraction::kSpreadEvery == 1) {
+    s.store.spread_to_never_seen(TextureStore::kRimsPerPicture);
+  }
   clock.lap(ExtractionStep::other);
 
   s.touched.clear();

@@ -53,12 +53,15 @@ namespace foreview {
 ///    a channel, or its share did; and a patch without such a texel in it or next to it keeps its fill: its holes, and
 ///    the texels of levels 1..3 of which less than half was observed. Holes are not filled again in a patch where all
 ///    is observed that can be (but for some texels: areas tell, not counts).
-/// 8. A polygon's state is its chart's tip: seen once any texel of the chart is.
+/// 8. A polygon's state is its chart's tip: seen once any texel of the chart is. Those never seen take their
+/// neighbours'
+///    colours (TextureStore::spread_to_never_seen) with the first and then every kSpreadEvery-th picture.
 ///
 /// Rules 5 to 7 touch only *patches*, squares of the charts, in which the picture can change something; which do is
 /// found out on the GPU, without a read-back.
 class BatchedExtraction final : public ExtractionPipeline {
  public:
+  static constexpr unsigned kSpreadEvery = 8;
   static constexpr float kGap = 0.01F;       ///< relative: steps of depth that make a contour
   static constexpr float kRounding = 1e-3F;  ///< relative: what half floats cost
   static constexpr double kFootprint = 2;    ///< pixels per texel, from which on one sample is too few
