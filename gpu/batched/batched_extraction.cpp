@@ -117,7 +117,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   if (suppressing) s.bounds.spread_rims(camera, s.options.passes);
   clock.lap(ExtractionStep::suppression);
   s.bounds.bound_cells(camera, suppressing, camera.is_distorted() ? s.undistorter.texture() : 0);
-  s.patches.touch(s.setup.charts(), camera, near_plane, s.bounds);
+  s.patches.touch(s.setup, camera, near_plane, s.bounds);
   clock.lap(ExtractionStep::occlusion);
   s.gatherer.gather(s.setup, s.is_late, camera, near_plane, s.undistorter.texture(), s.bounds, s.patches,
                     s.pages.level(0).targets);

@@ -31,6 +31,8 @@ PatchLists::PatchLists(const ChartGeometry& geometry, const ChartTables& tables,
       commands_(make_buffer(3 * sizeof(DrawCommand))),
       lists_(make_buffer(3 * geometry.patches().size() * sizeof(GLuint))),
       candidate_buffer_(make_buffer(geometry.patches().size() * sizeof(GLuint))),
+      slack_buffer_(
+          make_buffer((geometry.patches().empty() ? 0 : geometry.patches().back().chart + 1) * sizeof(GLfloat))),
       no_vertices_(GlVertexArray::create()) {
   clear();
 }
@@ -51,19 +53,22 @@ void PatchLists::set_commands(const std::array<DrawCommand, 3>& commands) {
   glNamedBufferSubData(commands_.id(), 0, sizeof commands, commands.data());
 }
 
-void PatchLists::touch(const std::vector<std::uint32_t>& charts, const CameraModel& camera, double near_plane,
+void PatchLists::touch(const PictureSetup& setup, const CameraModel& camera, double near_plane,
                        const PictureBounds& bounds) {
   ++picture_number_;
   candidates_.clear();
-  for (const std::uint32_t chart : charts) {
+  for (const std::uint32_t chart : setup.charts()) {
     const ChartGeometry::Range& range = geometry_.patches_of(chart);
     for (std::uint32_t i = 0; i < range.count; ++i) candidates_.push_back(range.first + i);
   }
   glNamedBufferSubData(candidate_buffer_.id(), 0, static_cast<GLsizeiptr>(candidates_.size() * sizeof(GLuint)),
                        candidates_.data());
+  glNamedBufferSubData(slack_buffer_.id(), 0, static_cast<GLsizeiptr>(setup.slacks().size() * sizeof(GLfloat)),
+                       setup.slacks().data());
   set_commands({});
   bind();
   if (candidates_.empty()) return;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, slack_buffer_.id());
   glUseProgram(touch_.id());
   glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
   glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));

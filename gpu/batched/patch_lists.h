@@ -8,6 +8,7 @@
 #include "foreview/gpu/batched/chart_tables.h"
 #include "foreview/gpu/batched/page_targets.h"
 #include "foreview/gpu/batched/picture_bounds.h"
+#include "foreview/gpu/batched/picture_setup.h"
 #include "foreview/gpu/gl_objects.h"
 
 namespace foreview::batched {
@@ -24,10 +25,9 @@ class PatchLists {
   PatchLists(const ChartGeometry& geometry, const ChartTables& tables, int page_size);
   /// No patch was ever touched.
   void clear();
-  /// Begins a picture: lists as touched, of the patches of `charts`, those that may take something from it.
-  /// PictureSetup must be bound.
-  void touch(const std::vector<std::uint32_t>& charts, const CameraModel& camera, double near_plane,
-             const PictureBounds& bounds);
+  /// Begins a picture: lists as touched, of the patches of setup.charts(), those that may take something from it.
+  /// `setup` must be bound.
+  void touch(const PictureSetup& setup, const CameraModel& camera, double near_plane, const PictureBounds& bounds);
   /// Lists all patches there are as touched.
   void touch_all();
   /// After touch(): lists what must be filled anew, and gives level 4 of `pages` its colours. `filled` and `pulled` are
@@ -53,7 +53,7 @@ class PatchLists {
   const ChartTables& tables_;
   int page_size_;
   GlProgram touch_, renew_;
-  GlBuffer flags_, commands_, lists_, candidate_buffer_;
+  GlBuffer flags_, commands_, lists_, candidate_buffer_, slack_buffer_;
   GlVertexArray no_vertices_;
   std::vector<std::uint32_t> candidates_;
   GLuint picture_number_ = 0;

@@ -24,6 +24,7 @@ PictureSetup::PictureSetup(const PolygonModel& model, const ChartLayout& layout,
     }
   }
   chart_listed_.resize(layout.groups.size());
+  slacks_.resize(layout.groups.size());
   planes_.resize(model.polygons().size());
   parts_.resize(model.parts().size());
   glNamedBufferStorage(part_buffer_.id(), static_cast<GLsizeiptr>(parts_.size() * sizeof(glm::mat4)), nullptr,
@@ -108,8 +109,12 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
           std::max(camera.focal_length.x, camera.focal_length.y) * greatest / std::min(density.x, density.y);
       visible_.push_back({i, texel_in_pixels > BatchedExtraction::kFootprint});
       const std::uint32_t chart = layout_.charts[i].group;
-      if (!chart_listed_[chart]) charts_.push_back(chart);
+      if (!chart_listed_[chart]) {
+        charts_.push_back(chart);
+        slacks_[chart] = 0;
+      }
       chart_listed_[chart] = true;
+      slacks_[chart] = std::max(slacks_[chart], plane.range[2]);
     }
   }
   std::sort(by_distance_.begin(), by_distance_.end());

@@ -29,6 +29,8 @@ class PictureSetup {
   [[nodiscard]] const std::vector<std::uint32_t>& front_to_back() const { return front_to_back_; }
   /// Charts (ChartLayout::groups) with at least one of them, in no order.
   [[nodiscard]] const std::vector<std::uint32_t>& charts() const { return charts_; }
+  /// By chart, of those in charts(): the greatest s (rule 5) of its visible polygons, 1/m. Others: anything.
+  [[nodiscard]] const std::vector<float>& slacks() const { return slacks_; }
   [[nodiscard]] std::size_t back_faces() const { return back_faces_; }
   [[nodiscard]] std::size_t outside() const { return outside_; }
 
@@ -48,6 +50,7 @@ class PictureSetup {
   std::vector<std::pair<float, std::uint32_t>> by_distance_;  ///< least z, polygon
   std::vector<std::uint32_t> front_to_back_;
   std::vector<std::uint32_t> charts_;
+  std::vector<float> slacks_;
   std::vector<bool> chart_listed_;
   std::size_t back_faces_ = 0, outside_ = 0;
   std::vector<glm::mat4> parts_;

@@ -5,6 +5,7 @@ layout(local_size_x = 64) in;
 #include "batched_common.glsl"
 #include "batched_patches.glsl"
 layout(std430, binding = 6) readonly buffer Candidates { uint candidates[]; };
+layout(std430, binding = 11) readonly buffer Slacks { float slacks[]; };  // by chart: rule 5's s, the greatest
 layout(binding = 0) uniform sampler2D coarse_bounds;
 layout(location = 0) uniform vec2 focal_length;     // pixels
 layout(location = 1) uniform vec2 principal_point;  // pixels
@@ -39,8 +40,8 @@ bool may_be_seen(Patch patch_) {
       hull = vec2(min(hull.x, cell.x), max(hull.y, cell.y));
     }
   }
-  // A ball's polygon changes less than the ball itself within a pixel; twice its radius covers the slack too.
-  return 1.0 / (centre.z - min(2.0 * radius, 0.9 * centre.z)) >= hull.x && 1.0 / (centre.z + 2.0 * radius) <= hull.y;
+  float slack = slacks[patch_.place.y];
+  return 1.0 / nearest + slack >= hull.x && 1.0 / (centre.z + radius) - slack <= hull.y;
 }
 
 void main() {

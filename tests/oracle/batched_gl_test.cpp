@@ -67,6 +67,12 @@ TEST_F(BatchedOracle, CoarseTextures) {
   figures.expect_agreement("random scenes, 10 texels/m");
 }
 
+TEST_F(BatchedOracle, FineTextures) {
+  BatchedFigures figures;
+  compare_random(62, DistortionModel::none, true, 1, charts_of(400, 256), figures);
+  figures.expect_agreement("a random scene, 400 texels/m");
+}
+
 void compare_recording(const std::string& name, const std::vector<std::size_t>& numbers, double density,
                        const std::string& what) {
   const test::TemporaryDirectory directory;
