@@ -404,7 +404,7 @@ void BatchedFigures::expect_agreement(const std::string& what) const {
   EXPECT_LE(percentile(slopes, 0.999), 1e-4);
   EXPECT_LE(share(wrong_unsafe, pixels), 5e-4);
   EXPECT_LE(percentile(unsafe, 0.99), 1e-3) << "half floats";
-  EXPECT_LE(share(wrong_cells, cells), 2e-3);
+  EXPECT_LE(share(wrong_cells, cells), 1e-3);
   EXPECT_LE(percentile(cell_bounds, 0.99), 2e-3);
   EXPECT_GE(step_texels, 1000U) << "the pictures must test something";
   EXPECT_LE(share(wrong_step_texels, step_texels), 1e-4);
