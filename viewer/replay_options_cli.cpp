@@ -92,11 +92,12 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
 
   ExtractionOptions& extraction = options.extraction;
   add(command, "--artefacts", "RULE",
-      "Artefact suppression: diamond, alternating, progressive or none (default: diamond)",
+      "Artefact suppression: diamond or none; per-polygon also alternating, progressive (default: diamond)",
       [&extraction](Text text, Text option) { extraction.artefacts = parse_artefact_suppression(text, option); });
   add_number<int>(command, "--passes", extraction.passes, 0, 64, "a number of passes", "N",
                   "How often artefact suppression is repeated (default: 3)");
-  add(command, "--alpha-c", "A", "Threshold of the diamond rule, from 3 to below 3.875 (default: 3.5)",
+  add(command, "--alpha-c", "A",
+      "Threshold of the per-polygon pipeline's diamond rule, from 3 to below 3.875 (default: 3.5)",
       [&extraction](Text text, Text option) {
         extraction.alpha_c = parse_number<double>(text, option, 3, 3.875, "a sum of four alphas");
         if (extraction.alpha_c >= 3.875) {
@@ -104,8 +105,8 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
         }
       });
   add_number<int>(command, "--small-texture", extraction.small_texture, 0, 1'000'000, "a number of pixels", "PIXELS",
-                  "A polygon narrower than this in the picture is not suppressed: it would vanish (default: 12)");
-  add(command, "--fill", "RULE", "Hole filling: pyramid, iterative or none (default: pyramid)",
+                  "Per-polygon pipeline: a polygon narrower than this in the picture is not suppressed (default: 12)");
+  add(command, "--fill", "RULE", "Hole filling: pyramid; per-polygon also iterative, none (default: pyramid)",
       [&extraction](Text text, Text option) { extraction.fill = parse_hole_filling(text, option); });
   add_number<double>(command, "--density", options.density, 0.1, 1e6, "texels per metre", "D",
                      "Texels per metre (default: what the recording proposes, else what its pictures resolve)");
