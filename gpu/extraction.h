@@ -65,7 +65,9 @@ struct ExtractionStatistics {
   std::size_t charts_touched = 0;
   std::size_t texels_written = 0;   ///< that the extraction looked at, by area: all that it computed a position for
   std::size_t texels_filled = 0;    ///< that hole filling and the levels went over (level 0, whole blocks)
-  std::size_t texels_observed = 0;  ///< that took a colour; only counted when asked for (it costs a read-back); else 0
+  /// Of texels_written those that took a colour, or (batched) would have, had a late picture not found one there; only
+  /// counted when asked for (it costs a read-back); else 0.
+  std::size_t texels_observed = 0;
   std::size_t passes = 0;           ///< draws and dispatches that a barrier or a change of target parts
   std::size_t draw_calls = 0;       ///< draws and dispatches
   /// Filled only when timing is switched on.

@@ -81,6 +81,9 @@ inline void delete_program(GLuint id) {
 inline void create_query(GLuint* id) {
   glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, id);
 }
+inline void create_samples_query(GLuint* id) {
+  glCreateQueries(GL_SAMPLES_PASSED, 1, id);
+}
 inline void delete_query(GLuint id) {
   glDeleteQueries(1, &id);
 }
@@ -97,6 +100,7 @@ using GlFramebuffer = GlObject<gl_detail::create_framebuffer, gl_detail::delete_
 using GlVertexArray = GlObject<gl_detail::create_vertex_array, gl_detail::delete_vertex_array>;
 using GlSampler = GlObject<gl_detail::create_sampler, gl_detail::delete_sampler>;
 using GlOcclusionQuery = GlObject<gl_detail::create_query, gl_detail::delete_query>;
+using GlSamplesQuery = GlObject<gl_detail::create_samples_query, gl_detail::delete_query>;
 using GlTexture = GlObject<gl_detail::no_create, gl_detail::delete_texture>;
 using GlProgram = GlObject<gl_detail::no_create, gl_detail::delete_program>;
 

@@ -1,6 +1,7 @@
 #include "foreview/gpu/batched/batched_extraction.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "foreview/gpu/batched/patch_lists.h"
 #include "foreview/gpu/batched/picture_bounds.h"
 #include "foreview/gpu/batched/picture_setup.h"
+#include "foreview/gpu/draw_tally.h"
 #include "foreview/gpu/step_clock.h"
 #include "foreview/gpu/timer_queries.h"
 #include "foreview/gpu/undistorter.h"
@@ -53,7 +55,10 @@ struct BatchedExtraction::State {
         gatherer(geometry, store.layout()),
         pyramid(store, tables, patches, pages),
         newest(store.layout().groups.size()),
-        is_late(store.layout().groups.size()) {}
+        is_late(store.layout().groups.size()),
+        all_charts(store.layout().groups.size()) {
+    std::iota(all_charts.begin(), all_charts.end(), 0U);
+  }
 
   /// Which of the picture's charts have been written from a newer one; of the others it is the newest from now on.
   void compare_stamps(Timestamp stamp) {
@@ -77,6 +82,8 @@ struct BatchedExtraction::State {
   std::vector<std::optional<Timestamp>> newest;  ///< by chart
   std::vector<bool> is_late;                     ///< by chart, of the current picture
   std::vector<std::uint32_t> touched;            ///< polygons
+  std::vector<std::uint32_t> all_charts;
+  bool fill_all = false;  ///< with the next picture: charts hold what others made
   CameraModel last_camera;
   TimerQueries timer_queries;
   ExtractionTiming timing = ExtractionTiming::off;
@@ -94,6 +101,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   ExtractionStatistics statistics;
   StepClock clock(s.timing, &s.timer_queries);
   check_frame(frame, s.store.model());
+  const DrawTally tally_before = draw_tally();
   s.undistorter.load(frame.picture, camera, "picture at " + frame.state.stamp.to_string() + " s");
   clock.lap(ExtractionStep::upload);
   s.store.wait_for_free_set();
@@ -117,12 +125,14 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   if (suppressing) s.bounds.spread_rims(camera, s.options.passes);
   clock.lap(ExtractionStep::suppression);
   s.bounds.bound_cells(camera, suppressing, camera.is_distorted() ? s.undistorter.texture() : 0);
-  s.patches.touch(s.setup, camera, near_plane, s.bounds);
+  const std::vector<std::uint32_t>& charts = s.fill_all ? s.all_charts : s.setup.charts();
+  if (camera.width > 1 && camera.height > 1) s.fill_all = false;
+  s.patches.touch(s.setup, charts, camera, near_plane, s.bounds);
   clock.lap(ExtractionStep::occlusion);
   s.gatherer.gather(s.setup, s.is_late, camera, near_plane, s.undistorter.texture(), s.bounds, s.patches,
                     s.pages.level(0).targets);
   clock.lap(ExtractionStep::normalisation);
-  s.pyramid.pull(s.setup.charts());
+  s.pyramid.pull(charts);
   s.pyramid.push();
   clock.lap(ExtractionStep::filling);
   s.pyramid.write_states(s.store.polygon_states());
@@ -133,7 +143,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   clock.lap(ExtractionStep::other);
 
   s.touched.clear();
-  for (const std::uint32_t chart : s.setup.charts()) {
+  for (const std::uint32_t chart : charts) {
     const auto members = s.store.layout().members_of(s.store.layout().groups[chart]);
     s.touched.insert(s.touched.end(), members.begin(), members.end());
   }
@@ -146,16 +156,15 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   statistics.polygons_skipped_outside = s.setup.outside();
   statistics.charts_touched = s.setup.charts().size();
   statistics.texels_written = s.gatherer.texels();
-  statistics.draw_calls = s.bounds.take_draws() + s.patches.take_draws() + s.gatherer.take_draws() +
-                          s.pyramid.take_draws() + (camera.is_distorted() ? 1 : 0);
-  statistics.passes = statistics.draw_calls;
+  statistics.draw_calls = draw_tally().draw_calls - tally_before.draw_calls;
+  statistics.passes = draw_tally().passes - tally_before.passes;
   clock.report(statistics);
   if (s.counting) {
     const auto lengths = s.patches.lengths();
     statistics.texels_filled = lengths[PatchLists::renewed] * kPatchTexels * kPatchTexels;
     statistics.texels_written =
         std::min(statistics.texels_written, lengths[PatchLists::touched] * std::size_t{kPatchTexels} * kPatchTexels);
-    statistics.texels_observed = s.store.count_observed_texels();
+    statistics.texels_observed = s.gatherer.observed();
   }
   return statistics;
 }
@@ -166,6 +175,7 @@ void BatchedExtraction::clear() {
   s.pyramid.clear();
   s.patches.clear();
   std::ranges::fill(s.newest, std::nullopt);
+  s.fill_all = false;
 }
 
 void BatchedExtraction::adopt_store() {
@@ -176,10 +186,13 @@ void BatchedExtraction::adopt_store() {
   glDisable(GL_CULL_FACE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
-  std::vector<std::uint32_t> charts(s.store.layout().groups.size());
-  for (std::uint32_t i = 0; i < charts.size(); ++i) charts[i] = i;
+  // Nothing of what was seen before may stay. The pages, which the display may be reading, stay as they are until the
+  // next picture.
+  s.pyramid.clear();
+  s.patches.clear();
   s.patches.touch_all();
-  s.pyramid.pull(charts);
+  s.pyramid.pull(s.all_charts, ChartPyramid::Pull::leave_pages);
+  s.fill_all = true;
   std::ranges::fill(s.newest, std::nullopt);
 }
 
@@ -189,6 +202,7 @@ void BatchedExtraction::set_timing(ExtractionTiming timing) {
 
 void BatchedExtraction::set_counting(bool on) {
   state_->counting = on;
+  state_->gatherer.set_counting(on);
 }
 
 BatchedExtraction::Intermediate BatchedExtraction::intermediate() const {

@@ -70,8 +70,13 @@ class BatchedExtraction final : public ExtractionPipeline {
   /// that only PerPolygonExtraction has (bilinear suppression, iterative filling or none).
   BatchedExtraction(TextureStore& store, const ExtractionOptions& options);
   ~BatchedExtraction() override;
+  /// Leaves the context as set_up_context_state() makes it, with scissor, blending, culling and depth test off, all
+  /// colours written and no samplers bound; it may find these otherwise. Program, framebuffer, viewport, vertex array
+  /// and the other bindings are left as they happen to be. No polygon is skipped for being too small.
   ExtractionStatistics extract(const CameraFrame& frame) override;
   void clear() override;
+  /// Levels and fills stay as they were loaded until the next picture. Stamps are not among what is saved: the next
+  /// picture overwrites whatever its age.
   void adopt_store() override;
   void set_timing(ExtractionTiming timing) override;
   void set_counting(bool on) override;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "foreview/gpu/draw_tally.h"
+
 namespace foreview::batched {
 namespace {
 
@@ -78,18 +80,19 @@ void ChartPyramid::draw_charts(int level, int other_level, const Texture& into) 
     glUniform1i(2, into.targets.size() > 1 ? static_cast<GLint>(page) : -1);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into.targets[page].id());
     glDrawArrays(GL_TRIANGLES, 0, 6 * charts_);
-    ++draws_;
+    count_draw();
   }
 }
 
-void ChartPyramid::pull(const std::vector<std::uint32_t>& charts) {
+void ChartPyramid::pull(const std::vector<std::uint32_t>& charts, Pull how) {
   glUseProgram(pull_.id());
   for (int level = 1; level <= kTop; ++level) {
     glBindTextureUnit(0, level == 1 ? pages_.level(0).view.id() : pulled_[at(level - 1)].texture.id());
     if (level < kTop) glBindTextureUnit(1, pages_.level(level).view.id());
     // What is full is shown as it is; the pages' last level comes with the tips.
+    const Texture& into = pulled_[at(level)];
     patches_.draw(PatchLists::touched, level,
-                  level < kTop ? pages_.together(pulled_[at(level)].texture.id(), level) : pulled_[at(level)].targets);
+                  how == Pull::show && level < kTop ? pages_.together(into.texture.id(), level) : into.targets);
   }
   charts_ = static_cast<GLsizei>(charts.size());
   if (charts.empty()) return;
@@ -142,7 +145,7 @@ void ChartPyramid::write_states(GLuint polygon_states) {
   glUniform1i(0, tables_.tip_level());
   glBindTextureUnit(0, pulled_.back().texture.id());
   glDispatchCompute(static_cast<GLuint>((store_.model().polygons().size() + 63) / 64), 1, 1);
-  ++draws_;
+  count_draw();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                   GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
 }

@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
-#include <utility>
 #include <vector>
 
 #include "foreview/gpu/batched/chart_tables.h"
@@ -17,13 +16,16 @@ class ChartPyramid {
  public:
   ChartPyramid(const TextureStore& store, const ChartTables& tables, PatchLists& patches, PageTargets& pages);
   void clear();
+  enum class Pull {
+    show,         ///< the pages' levels 1 to 3 get what needs no filling
+    leave_pages,  ///< as they are
+  };
   /// Rule 6 for the touched patches, then for `charts` up to their tips.
-  void pull(const std::vector<std::uint32_t>& charts);
+  void pull(const std::vector<std::uint32_t>& charts, Pull how = Pull::show);
   /// Rule 7 for the charts named to pull() last. PatchLists::touch() must have named them too.
   void push();
   /// Rule 8, for all polygons.
   void write_states(GLuint polygon_states);
-  [[nodiscard]] std::size_t take_draws() { return std::exchange(draws_, 0); }
   /// CV_8UC4 BGRA, one a page; level 1..4.
   [[nodiscard]] std::vector<cv::Mat> read_pulled(int level) const;
 
@@ -47,7 +49,6 @@ class ChartPyramid {
   GlVertexArray no_vertices_;
   GlSampler linear_;
   GLsizei charts_ = 0;
-  std::size_t draws_ = 0;
 };
 
 }  // namespace foreview::batched

@@ -4,6 +4,8 @@
 #include <array>
 #include <string>
 
+#include "foreview/gpu/draw_tally.h"
+
 namespace foreview::batched {
 namespace {
 
@@ -32,11 +34,12 @@ Gatherer::Gatherer(const ChartGeometry& geometry, const ChartLayout& layout)
 void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera,
                       double near_plane, GLuint undistorted, const PictureBounds& bounds, const PatchLists& patches,
                       const LayerTargets& into) {
+  texels_ = 0;
+  counted_ = false;
   if (camera.width < 2 || camera.height < 2) return;
   // A polygon's own texels win over others' gutter: so gutters come first, or last where only holes are filled. Close
   // polygons take several samples.
   indices_.clear();
-  texels_ = 0;
   const std::vector<PictureSetup::Visible>& visible = setup.visible();
   const auto add = [&](bool late, bool close, bool own) {
     for (const auto& [polygon, is_close] : visible) {
@@ -44,7 +47,7 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
       const ChartGeometry::Range& range = own ? geometry_.own_triangles(polygon) : geometry_.gutter_triangles(polygon);
       const auto begin = geometry_.chart_indices().begin() + range.first;
       indices_.insert(indices_.end(), begin, begin + range.count);
-      if (own) texels_ += static_cast<std::size_t>(geometry_.texels(polygon));
+      if (own) texels_ += static_cast<double>(geometry_.texels(polygon));
     }
   };
   struct Draw {
@@ -74,6 +77,12 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
   glBindVertexArray(geometry_.vertex_array());
   for (GLenum i = 0; i < kClipDistances; ++i) glEnable(GL_CLIP_DISTANCE0 + i);
   glViewport(0, 0, layout_.page_size, layout_.page_size);
+  if (counting_) {
+    if (taken_.id() == 0) taken_ = GlSamplesQuery::create();
+    glBeginQuery(GL_SAMPLES_PASSED, taken_.id());
+    counted_ = true;
+  }
+  bool begins_pass = true;
   std::size_t first = 0;
   for (const Draw& draw : draws) {
     const std::size_t count = draw.end - first;
@@ -96,14 +105,24 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
       glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into[page].id());
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
-      ++draws_;
+      // Where all pages are one target, the next class belongs to the same pass.
+      count_draw(begins_pass || into.size() > 1);
+      begins_pass = false;
     }
     first = draw.end;
   }
+  if (counting_) glEndQuery(GL_SAMPLES_PASSED);
   glDisable(GL_BLEND);
   for (GLenum i = 0; i < kClipDistances; ++i) glDisable(GL_CLIP_DISTANCE0 + i);
   glBindSampler(0, 0);
   glBindVertexArray(0);
+}
+
+std::size_t Gatherer::observed() const {
+  if (!counted_) return 0;
+  GLuint64 samples = 0;
+  glGetQueryObjectui64v(taken_.id(), GL_QUERY_RESULT, &samples);
+  return static_cast<std::size_t>(samples);
 }
 
 }  // namespace foreview::batched

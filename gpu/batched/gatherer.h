@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "foreview/gpu/batched/chart_geometry.h"
@@ -21,8 +20,10 @@ class Gatherer {
   void gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera, double near_plane,
               GLuint undistorted, const PictureBounds& bounds, const PatchLists& patches, const LayerTargets& into);
   /// Texels of what was drawn last, by area: before patches that can change nothing are left out.
-  [[nodiscard]] std::size_t texels() const { return texels_; }
-  [[nodiscard]] std::size_t take_draws() { return std::exchange(draws_, 0); }
+  [[nodiscard]] std::size_t texels() const { return static_cast<std::size_t>(texels_ + 0.5); }
+  void set_counting(bool on) { counting_ = on; }
+  /// Texels that took a colour when it was drawn last, if counting was on. Waits for the GPU.
+  [[nodiscard]] std::size_t observed() const;
 
  private:
   const ChartGeometry& geometry_;
@@ -31,7 +32,9 @@ class Gatherer {
   GlBuffer index_buffer_;
   GlSampler linear_;
   std::vector<std::uint32_t> indices_;
-  std::size_t texels_ = 0, draws_ = 0;
+  double texels_ = 0;
+  GlSamplesQuery taken_;
+  bool counting_ = false, counted_ = false;
 };
 
 }  // namespace foreview::batched

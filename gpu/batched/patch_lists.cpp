@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "foreview/gpu/draw_tally.h"
+
 namespace foreview::batched {
 namespace {
 
@@ -38,6 +40,7 @@ PatchLists::PatchLists(const ChartGeometry& geometry, const ChartTables& tables,
 }
 
 void PatchLists::clear() {
+  picture_number_ = 0;
   glClearNamedBufferData(flags_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
 }
 
@@ -53,11 +56,13 @@ void PatchLists::set_commands(const std::array<DrawCommand, 3>& commands) {
   glNamedBufferSubData(commands_.id(), 0, sizeof commands, commands.data());
 }
 
-void PatchLists::touch(const PictureSetup& setup, const CameraModel& camera, double near_plane,
-                       const PictureBounds& bounds) {
+void PatchLists::touch(const PictureSetup& setup, const std::vector<std::uint32_t>& charts, const CameraModel& camera,
+                       double near_plane, const PictureBounds& bounds) {
   ++picture_number_;
   candidates_.clear();
-  for (const std::uint32_t chart : setup.charts()) {
+  const bool has_cells = camera.width > 1 && camera.height > 1;
+  for (const std::uint32_t chart : charts) {
+    if (!has_cells) break;
     const ChartGeometry::Range& range = geometry_.patches_of(chart);
     for (std::uint32_t i = 0; i < range.count; ++i) candidates_.push_back(range.first + i);
   }
@@ -79,7 +84,7 @@ void PatchLists::touch(const PictureSetup& setup, const CameraModel& camera, dou
   glUniform1ui(6, static_cast<GLuint>(geometry_.patches().size()));
   glBindTextureUnit(0, bounds.coarse_cells());
   glDispatchCompute(groups_of_64(candidates_.size()), 1, 1);
-  ++draws_;
+  count_draw();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
 }
 
@@ -106,7 +111,7 @@ void PatchLists::renew(GLuint filled, GLuint pulled, GLuint pages) {
   glBindTextureUnit(1, pulled);
   glBindImageTexture(0, pages, kChartLevels - 1, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
   glDispatchCompute(groups_of_64(candidates_.size()), 1, 1);
-  ++draws_;
+  count_draw();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                   GL_FRAMEBUFFER_BARRIER_BIT);
 }
@@ -124,7 +129,7 @@ void PatchLists::draw(List list, int level, const LayerTargets& into) {
     glUniform1i(4, static_cast<GLint>(page));
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into[page].id());
     glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(list * sizeof(DrawCommand)));
-    ++draws_;
+    count_draw();
   }
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
 }

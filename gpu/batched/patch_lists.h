@@ -1,7 +1,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "foreview/gpu/batched/chart_geometry.h"
@@ -25,9 +24,10 @@ class PatchLists {
   PatchLists(const ChartGeometry& geometry, const ChartTables& tables, int page_size);
   /// No patch was ever touched.
   void clear();
-  /// Begins a picture: lists as touched, of the patches of setup.charts(), those that may take something from it.
-  /// `setup` must be bound.
-  void touch(const PictureSetup& setup, const CameraModel& camera, double near_plane, const PictureBounds& bounds);
+  /// Begins a picture: lists as touched, of the patches of `charts`, those that may take something from it; all
+  /// of them can be filled anew. `setup` must be bound; `charts` must have all of setup.charts().
+  void touch(const PictureSetup& setup, const std::vector<std::uint32_t>& charts, const CameraModel& camera,
+             double near_plane, const PictureBounds& bounds);
   /// Lists all patches there are as touched.
   void touch_all();
   /// After touch(): lists what must be filled anew, and gives level 4 of `pages` its colours. `filled` and `pulled` are
@@ -39,7 +39,6 @@ class PatchLists {
   /// Binds what batched_patches.glsl reads.
   void bind() const;
   [[nodiscard]] GLuint picture_number() const { return picture_number_; }
-  [[nodiscard]] std::size_t take_draws() { return std::exchange(draws_, 0); }
   /// How long the lists are. Waits for the GPU.
   [[nodiscard]] std::array<std::size_t, 3> lengths() const;
 
@@ -57,7 +56,6 @@ class PatchLists {
   GlVertexArray no_vertices_;
   std::vector<std::uint32_t> candidates_;
   GLuint picture_number_ = 0;
-  std::size_t draws_ = 0;
 };
 
 }  // namespace foreview::batched

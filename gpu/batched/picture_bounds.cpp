@@ -5,6 +5,7 @@
 #include <string>
 
 #include "foreview/gpu/batched/batched_extraction.h"
+#include "foreview/gpu/draw_tally.h"
 
 namespace foreview::batched {
 namespace {
@@ -76,7 +77,7 @@ void PictureBounds::draw_surfaces(const PictureSetup& setup, const CameraModel& 
   glVertexArrayElementBuffer(geometry_.vertex_array(), triangles_.id());
   glBindVertexArray(geometry_.vertex_array());
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices_.size()), GL_UNSIGNED_INT, nullptr);
-  ++draws_;
+  count_draw();
   glDisable(GL_DEPTH_TEST);
 }
 
@@ -86,7 +87,7 @@ void PictureBounds::draw_over(int width, int height, GLuint target, const GlProg
   glViewport(0, 0, width, height);
   glUseProgram(program.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  ++draws_;
+  count_draw();
 }
 
 void PictureBounds::spread_rims(const CameraModel& camera, int passes) {

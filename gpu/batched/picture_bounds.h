@@ -29,8 +29,6 @@ class PictureBounds {
   [[nodiscard]] GLuint cells() const { return cells_.id(); }
   /// GL_RG16F: the least and greatest of kCoarse x kCoarse cells.
   [[nodiscard]] GLuint coarse_cells() const { return coarse_.id(); }
-  /// Draw calls since the last call.
-  [[nodiscard]] std::size_t take_draws() { return std::exchange(draws_, 0); }
   [[nodiscard]] cv::Mat read_surfaces(int width, int height) const;
   [[nodiscard]] cv::Mat read_unsafe(int width, int height) const;
   [[nodiscard]] cv::Mat read_cells(int width, int height) const;
@@ -47,7 +45,6 @@ class PictureBounds {
   GlTexture surfaces_, depths_, rims_[2], cells_, coarse_;
   GlFramebuffer surfaces_target_, rim_targets_[2], cells_target_, coarse_target_;
   int current_rims_ = 0;
-  std::size_t draws_ = 0;
   int room_width_ = 0, room_height_ = 0;
 };
 
