@@ -28,8 +28,8 @@ namespace foreview {
 ///    [l, u]. For each of the four surfaces, continued to the middle of the cell, h = 0.5 (|a| + |b|): its 1/z within
 ///    the cell is [w - h, w + h], kept within its range; l and u are the least and greatest of all four, l (1 -
 ///    kRounding) and u (1 + kRounding). With suppression l is at least (1 - kGap) times the greatest R of the four
-///    pixels. A cell with an open pair among its four edges, or an unusable pixel, takes nothing. (l, u and R are
-///    stored as half floats.)
+///    pixels. A cell with an open pair among its four edges, or an unusable pixel, or that shows no surface, takes
+///    nothing. (l, u and R are stored as half floats.)
 /// 5. *Gather and fuse*: every texel whose centre lies in a polygon that shows its front, or within kChartGutter texels
 ///    of an edge of it that is the chart's outline, beside the edge or beyond a corner of two such edges (a polygon's
 ///    own texels win over others' gutter), is the point of the polygon's plane above it, with 1/z = w at the pixel (u,

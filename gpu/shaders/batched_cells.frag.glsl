@@ -30,6 +30,8 @@ void main() {
   widen(hull, d, range_d, vec2(-0.5, -0.5));
   bool open = is_open(a, range_a, b, vec2(1, 0), gap) || is_open(c, range_c, d, vec2(1, 0), gap) ||
               is_open(a, range_a, c, vec2(0, 1), gap) || is_open(b, range_b, d, vec2(0, 1), gap);
+  // Where nothing is, polygons seen edge-on, whose 1/z may be anything within a pixel, must not take the void's colour.
+  open = open || hull.y <= 0.0;
   float least = hull.x * (1.0 - rounding);
 #ifdef SUPPRESS
   float nearest_rim = max(max(texelFetch(spread, p, 0).r, texelFetch(spread, p + ivec2(1, 0), 0).r),

@@ -162,7 +162,7 @@ Image<Cell> cells(const Image<Surface>& surfaces, const AlphaImage* unsafe, cons
         greatest = i == 0 ? high : std::max(greatest, high);
         if (unsafe != nullptr) greatest_unsafe = std::max(greatest_unsafe, unsafe->at(x + dx, y + dy));
       }
-      if (!all_usable) continue;
+      if (!all_usable || greatest <= 0) continue;
       Cell& cell = result.at(x, y);
       cell.least = std::max(least * (1 - kBatchedRounding), (1 - kBatchedGap) * greatest_unsafe);
       cell.greatest = greatest * (1 + kBatchedRounding);
