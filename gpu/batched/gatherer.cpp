@@ -103,8 +103,10 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
     for (std::size_t page = 0; page < into.size(); ++page) {
       glUniform1i(8, static_cast<GLint>(page));
       glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into[page].id());
+      // An offset that GL takes as a pointer. NOLINTBEGIN(performance-no-int-to-ptr)
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
+      // NOLINTEND(performance-no-int-to-ptr)
       // Where all pages are one target, the next class belongs to the same pass.
       count_draw(begins_pass || into.size() > 1);
       begins_pass = false;
