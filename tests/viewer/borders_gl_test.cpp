@@ -4,11 +4,12 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
-#include "foreview/gpu/per_polygon/per_polygon_extraction.h"
+#include "foreview/gpu/extraction.h"
 #include "foreview/viewer/predicted_view.h"
 #include "gpu/gl_test_fixture.h"
 
@@ -124,19 +125,27 @@ CameraFrame picture_of_plane(const PolygonModel& model, const CameraModel& camer
   return frame;
 }
 
+/// How a plane is textured.
+struct Texturing {
+  PipelineKind pipeline = PipelineKind::per_polygon;
+  HoleFilling fill = HoleFilling::pyramid;
+  bool group_polygons = false;
+  int max_texels = 256;  ///< of the cut plane
+};
+
 /// A textured plane, ready to be looked at.
 struct TexturedPlane {
   PolygonModel model;
   TextureStore store;
-  PerPolygonExtraction extraction;
+  std::unique_ptr<ExtractionPipeline> extraction;
   PredictedView view;
 
-  static ChartOptions charts(int max_texels) {
+  static ChartOptions charts(const Texturing& how, int max_texels) {
     ChartOptions options;
     options.texels_per_metre = kTexelsPerMetre;
     options.max_texels = max_texels;
     options.page_size = 2048;
-    options.group_polygons = false;
+    options.group_polygons = how.group_polygons;
     return options;
   }
   static PolygonModel import(const RawMesh& mesh) {
@@ -145,10 +154,10 @@ struct TexturedPlane {
     options.backdrop = false;
     return build_polygon_model(mesh, options);
   }
-  TexturedPlane(const RawMesh& mesh, int max_texels, HoleFilling fill)
+  TexturedPlane(const RawMesh& mesh, const Texturing& how, int max_texels)
       : model(import(mesh)),
-        store(model, lay_out_charts(model, charts(max_texels))),
-        extraction(store, charts(max_texels), with(fill)),
+        store(model, lay_out_charts(model, charts(how, max_texels))),
+        extraction(make_extraction_pipeline(how.pipeline, store, charts(how, max_texels), with(how.fill))),
         view(store) {}
   static ExtractionOptions with(HoleFilling fill) {
     ExtractionOptions options;
@@ -220,10 +229,12 @@ double distance_of_level(double level) {
 class Borders : public GlTest {
  protected:
   /// The cut plane against the uncut one: near, at each mip level, straight and slanted.
-  static void compare(const RawMesh& cut_mesh, HoleFilling fill, const Pose& capture, const std::string& name) {
-    TexturedPlane uncut(squares(1), 1024, fill), cut(cut_mesh, 256, fill);
-    (void)uncut.extraction.extract(picture_of_plane(uncut.model, kCapture, capture));
-    (void)cut.extraction.extract(picture_of_plane(cut.model, kCapture, capture));
+  /// `coarse_tolerance`: at mip levels 3 and 4.
+  static void compare(const RawMesh& cut_mesh, const Texturing& how, const Pose& capture, const std::string& name,
+                      double coarse_tolerance = 2) {
+    TexturedPlane uncut(squares(1), how, 1024), cut(cut_mesh, how, how.max_texels);
+    (void)uncut.extraction->extract(picture_of_plane(uncut.model, kCapture, capture));
+    (void)cut.extraction->extract(picture_of_plane(cut.model, kCapture, capture));
     struct View {
       std::string name;
       Pose pose;
@@ -241,15 +252,17 @@ class Borders : public GlTest {
       const cv::Mat actual = cut.view.render(kViewer, cut.state(v.pose));
       // Beyond the plane lies nothing, so the pixels along its outer edges are not safely its own and give no texels.
       // Where holes stay open these are grey, in whole texels of each mip level, which lie differently in the two.
-      const int rim = fill == HoleFilling::none ? 4 : 1;
+      const int rim = how.fill == HoleFilling::none ? 4 : 1;
       const cv::Mat polygon = cut.view.render_surface(kViewer, cut.state(v.pose)).polygon;
       const Difference d = difference(expected, actual, polygon, rim);
       std::cout << name << ", " << v.name << ": " << d.largest << "/255 over " << d.pixels << " pixels\n";
       EXPECT_GE(d.pixels, 1000u);
-      EXPECT_LE(d.largest, 2) << name << ", " << v.name << " at (" << d.x << ", " << d.y
-                              << "): " << actual.at<cv::Vec3b>(d.y, d.x) << " instead of "
-                              << expected.at<cv::Vec3b>(d.y, d.x);
-      if (d.largest > 2) {
+      const bool is_coarse = v.name.ends_with('3') || v.name.ends_with('4');
+      const double tolerance = is_coarse ? coarse_tolerance : 2;
+      EXPECT_LE(d.largest, tolerance) << name << ", " << v.name << " at (" << d.x << ", " << d.y
+                                      << "): " << actual.at<cv::Vec3b>(d.y, d.x) << " instead of "
+                                      << expected.at<cv::Vec3b>(d.y, d.x);
+      if (d.largest > tolerance) {
         keep(expected, name + "-" + v.name + "-uncut");
         keep(actual, name + "-" + v.name + "-cut");
       }
@@ -261,27 +274,59 @@ const Pose kStraight = from({0, 0, -2.4}, {0, 0, 0});
 const Pose kSlanted = from({1.5, -0.9, -2.6}, {0.05, 0, 0});
 
 TEST_F(Borders, SquaresRenderLikeTheUncutPlane) {
-  compare(squares(4), HoleFilling::pyramid, kStraight, "squares, pyramid, straight");
-  compare(squares(4), HoleFilling::pyramid, kSlanted, "squares, pyramid, slanted");
+  compare(squares(4), {.fill = HoleFilling::pyramid}, kStraight, "squares, pyramid, straight");
+  compare(squares(4), {.fill = HoleFilling::pyramid}, kSlanted, "squares, pyramid, slanted");
 }
 
 TEST_F(Borders, SquaresRenderLikeTheUncutPlaneWithoutHoleFilling) {
-  compare(squares(4), HoleFilling::none, kSlanted, "squares, no filling, slanted");
+  compare(squares(4), {.fill = HoleFilling::none}, kSlanted, "squares, no filling, slanted");
 }
 
 TEST_F(Borders, IrregularTrianglesRenderLikeTheUncutPlane) {
-  compare(irregular_triangles(5), HoleFilling::pyramid, kStraight, "triangles, pyramid, straight");
-  compare(irregular_triangles(5), HoleFilling::pyramid, kSlanted, "triangles, pyramid, slanted");
+  compare(irregular_triangles(5), {.fill = HoleFilling::pyramid}, kStraight, "triangles, pyramid, straight");
+  compare(irregular_triangles(5), {.fill = HoleFilling::pyramid}, kSlanted, "triangles, pyramid, slanted");
 }
 
 TEST_F(Borders, IrregularTrianglesRenderLikeTheUncutPlaneWithoutHoleFilling) {
-  compare(irregular_triangles(5), HoleFilling::none, kStraight, "triangles, no filling, straight");
+  compare(irregular_triangles(5), {.fill = HoleFilling::none}, kStraight, "triangles, no filling, straight");
+}
+
+const Texturing kBatched{.pipeline = PipelineKind::batched};
+/// Several polygons in a chart, but not all: there are borders of both kinds.
+const Texturing kBatchedGrouped{.pipeline = PipelineKind::batched, .group_polygons = true, .max_texels = 600};
+
+/// Levels hold the mean of what was observed under a texel, however little (rule 7 of BatchedExtraction). Along a
+/// slanted border that is up to a half of the texel, whose mean lies up to a quarter of a texel beside its centre:
+/// 1/255 at level 4 of this gradient, to either side of the border; and less is observed yet where two borders meet.
+constexpr double kSlantedBorders = 4;
+
+TEST_F(Borders, BatchedSquaresRenderLikeTheUncutPlane) {
+  compare(squares(4), kBatched, kStraight, "batched squares, straight");
+  compare(squares(4), kBatched, kSlanted, "batched squares, slanted");
+}
+
+TEST_F(Borders, BatchedTrianglesRenderLikeTheUncutPlane) {
+  compare(irregular_triangles(5), kBatched, kStraight, "batched triangles, straight", kSlantedBorders);
+  compare(irregular_triangles(5), kBatched, kSlanted, "batched triangles, slanted", kSlantedBorders);
+}
+
+TEST_F(Borders, BatchedGroupsRenderLikeTheUncutPlane) {
+  {
+    const TexturedPlane plane(irregular_triangles(5), kBatchedGrouped, kBatchedGrouped.max_texels);
+    const ChartLayout& layout = plane.store.layout();
+    EXPECT_GT(layout.groups.size(), 1U);
+    EXPECT_LT(layout.groups.size(), layout.charts.size());
+  }
+  compare(squares(4), kBatchedGrouped, kStraight, "batched grouped squares, straight");
+  compare(squares(4), kBatchedGrouped, kSlanted, "batched grouped squares, slanted");
+  compare(irregular_triangles(5), kBatchedGrouped, kStraight, "batched grouped triangles, straight", kSlantedBorders);
+  compare(irregular_triangles(5), kBatchedGrouped, kSlanted, "batched grouped triangles, slanted", kSlantedBorders);
 }
 
 /// The comparison above is worth something only if its views really read each mip level.
 TEST_F(Borders, EachLevelIsReallyUsed) {
-  TexturedPlane cut(squares(4), 256, HoleFilling::pyramid);
-  (void)cut.extraction.extract(picture_of_plane(cut.model, kCapture, kStraight));
+  TexturedPlane cut(squares(4), {}, 256);
+  (void)cut.extraction->extract(picture_of_plane(cut.model, kCapture, kStraight));
   std::vector<std::uint32_t> all(cut.model.polygons().size());
   std::iota(all.begin(), all.end(), 0U);
   for (int level = kChartLevels - 1; level >= 0; --level) {
@@ -298,11 +343,12 @@ TEST_F(Borders, EachLevelIsReallyUsed) {
 
 /// A plate hides the plane's middle in the only picture. Once it has gone, nothing of its colour may show, neither in
 /// the hole, however it is filled, nor across the borders around it; and what was seen must be right.
-void expect_no_stray_colour(const RawMesh& plane, HoleFilling fill, const std::string& name) {
+void expect_no_stray_colour(const RawMesh& plane, const Texturing& how, const std::string& name) {
+  const HoleFilling fill = how.fill;
   RawMesh mesh = plane;
   add_occluder(mesh);
-  TexturedPlane cut(mesh, 256, fill);
-  (void)cut.extraction.extract(picture_of_plane(cut.model, kCapture, kSlanted));
+  TexturedPlane cut(mesh, how, how.max_texels);
+  (void)cut.extraction->extract(picture_of_plane(cut.model, kCapture, kSlanted));
   for (const double distance : {0.4, 1.0, 2.0, 4.0, 8.0}) {
     const PredictedState state = cut.state(from({-0.1 * distance, 0.05, -distance}, {-0.2, 0.1, 0}));
     const cv::Mat picture = cut.view.render(kViewer, state);
@@ -354,14 +400,20 @@ void expect_no_stray_colour(const RawMesh& plane, HoleFilling fill, const std::s
 }
 
 TEST_F(Borders, NoStrayColoursAroundAFilledHole) {
-  expect_no_stray_colour(squares(4), HoleFilling::pyramid, "squares, pyramid");
-  expect_no_stray_colour(squares(4), HoleFilling::iterative, "squares, iterative");
-  expect_no_stray_colour(irregular_triangles(5), HoleFilling::pyramid, "triangles, pyramid");
+  expect_no_stray_colour(squares(4), {.fill = HoleFilling::pyramid}, "squares, pyramid");
+  expect_no_stray_colour(squares(4), {.fill = HoleFilling::iterative}, "squares, iterative");
+  expect_no_stray_colour(irregular_triangles(5), {.fill = HoleFilling::pyramid}, "triangles, pyramid");
+}
+
+TEST_F(Borders, BatchedLeavesNoStrayColoursAroundAFilledHole) {
+  expect_no_stray_colour(squares(4), kBatched, "batched squares");
+  expect_no_stray_colour(irregular_triangles(5), kBatched, "batched triangles");
+  expect_no_stray_colour(irregular_triangles(5), kBatchedGrouped, "batched grouped triangles");
 }
 
 TEST_F(Borders, NoStrayColoursAroundAHoleThatStaysOpen) {
-  expect_no_stray_colour(squares(4), HoleFilling::none, "squares, no filling");
-  expect_no_stray_colour(irregular_triangles(5), HoleFilling::none, "triangles, no filling");
+  expect_no_stray_colour(squares(4), {.fill = HoleFilling::none}, "squares, no filling");
+  expect_no_stray_colour(irregular_triangles(5), {.fill = HoleFilling::none}, "triangles, no filling");
 }
 
 }  // namespace
