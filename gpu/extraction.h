@@ -24,6 +24,9 @@ struct ExtractionOptions {
   HoleFilling fill = HoleFilling::pyramid;
   bool occlusion_query = true;  ///< iterative filling: stop when a pass changed nothing, asked by an occlusion query
   double near_plane = 0.02;     ///< metres
+  /// Rule 5 of BatchedExtraction; the per-polygon pipeline has nothing like it. Off unless asked for, as the commands
+  /// do.
+  bool compensate_exposure = false;
   /// Throws InputError naming the option that is out of its range.
   void validate() const;
 };

@@ -202,7 +202,7 @@ void export_glb(const TextureStore& store, const std::vector<Pose>& world_from_p
                 bool with_backdrop) {
   const PolygonModel& model = store.model();
   assert(world_from_part.size() == model.parts().size());
-  const std::vector<TextureStore::PolygonState> states = store.read_polygon_states();
+  const auto [pages, states] = store.read_as_shown();
   std::vector<bool> textured(states.size());
   for (std::size_t i = 0; i < states.size(); ++i) {
     textured[i] = states[i].seen == 1.0F && (with_backdrop || !model.polygons()[i].is_backdrop);
@@ -211,14 +211,11 @@ void export_glb(const TextureStore& store, const std::vector<Pose>& world_from_p
 
   GlbBuilder builder;
   std::vector<std::size_t> materials(sizes.size() + 1);
-  {
-    const std::vector<cv::Mat> pages = store.read_pages();
-    for (std::size_t page = 0; page < sizes.size(); ++page) {
-      if (sizes[page].empty()) continue;
-      cv::Mat picture;
-      cv::cvtColor(pages[page](cv::Rect({0, 0}, sizes[page])), picture, cv::COLOR_BGRA2BGR);
-      materials[page] = builder.add_textured_material(picture, "page-" + std::to_string(page));
-    }
+  for (std::size_t page = 0; page < sizes.size(); ++page) {
+    if (sizes[page].empty()) continue;
+    cv::Mat picture;
+    cv::cvtColor(pages[page](cv::Rect({0, 0}, sizes[page])), picture, cv::COLOR_BGRA2BGR);
+    materials[page] = builder.add_textured_material(picture, "page-" + std::to_string(page));
   }
   std::optional<std::size_t> never_seen_material;
 

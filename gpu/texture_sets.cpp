@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "foreview/gpu/exposure.h"
 #include "foreview/scene/errors.h"
 
 namespace foreview {
@@ -27,6 +28,8 @@ TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publis
     set.polygon_states = GlBuffer::create();
     glNamedBufferStorage(set.polygon_states.id(), static_cast<GLsizeiptr>(polygons * 4 * sizeof(float)), nullptr,
                          GL_DYNAMIC_STORAGE_BIT);
+    set.exposure = GlBuffer::create();
+    glNamedBufferStorage(set.exposure.id(), sizeof(Exposure), nullptr, GL_DYNAMIC_STORAGE_BIT);
     clear(set);
   }
   // The first set is what there is to show before the first picture; the others are free.
@@ -58,6 +61,8 @@ void TextureSets::clear(const Set& set) {
   }
   constexpr std::array<float, 4> kUnseen{0.5F, 0.5F, 0.5F, 0.0F};
   glClearNamedBufferData(set.polygon_states.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, kUnseen.data());
+  constexpr Exposure kAsTheyAre;
+  glNamedBufferSubData(set.exposure.id(), 0, sizeof kAsTheyAre, &kAsTheyAre);
 }
 
 void TextureSets::poll(Fences& done) {
@@ -127,6 +132,7 @@ void TextureSets::bring_up_to_date(std::size_t set, std::size_t newest) {
   }
   glCopyNamedBufferSubData(sets_[newest].polygon_states.id(), sets_[set].polygon_states.id(), 0, 0,
                            static_cast<GLsizeiptr>(polygons_ * 4 * sizeof(float)));
+  glCopyNamedBufferSubData(sets_[newest].exposure.id(), sets_[set].exposure.id(), 0, 0, sizeof(Exposure));
 }
 
 void TextureSets::forget_stale(Set& set) {
@@ -205,7 +211,7 @@ TextureSets::Shown TextureSets::acquire() {
     shown_ = newest_complete();
   }
   const Set& set = sets_[shown_];
-  return {set.pages.id(), set.polygon_states.id(), set.picture};
+  return {set.pages.id(), set.polygon_states.id(), set.exposure.id(), set.picture};
 }
 
 void TextureSets::release() {

@@ -46,6 +46,7 @@ class TextureSets {
   /// The set being written, else the newest.
   [[nodiscard]] GLuint pages() const { return sets_[current_].pages.id(); }
   [[nodiscard]] GLuint polygon_states() const { return sets_[current_].polygon_states.id(); }
+  [[nodiscard]] GLuint exposure() const { return sets_[current_].exposure.id(); }
   [[nodiscard]] bool is_writing() const { return writing_; }
   [[nodiscard]] Publishing publishing() const { return publishing_; }
   [[nodiscard]] std::uint64_t pictures_ended() const { return pictures_; }
@@ -62,13 +63,13 @@ class TextureSets {
   void end(const std::vector<std::uint32_t>& touched, bool is_picture);
   /// From now to the end, every chart counts as touched.
   void touch_all();
-  /// Nothing seen: all texels transparent black, all polygons mid grey, in the set that pages() means.
+  /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1, in the set that pages() means.
   void clear() { clear(sets_[current_]); }
 
   // Display's side: one thread, its context current.
 
   struct Shown {
-    GLuint pages = 0, polygon_states = 0;
+    GLuint pages = 0, polygon_states = 0, exposure = 0;
     std::uint64_t picture = 0;
   };
   Shown acquire();
@@ -81,7 +82,7 @@ class TextureSets {
   struct Set {
     // Fixed after construction.
     GlTexture pages;
-    GlBuffer polygon_states;
+    GlBuffer polygon_states, exposure;
     // Extraction's own: the groups whose charts changed since this set was last written.
     std::vector<std::uint32_t> stale;
     std::vector<bool> is_stale;

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstddef>
 #include <numeric>
+#include <opencv2/core.hpp>
 #include <string>
 #include <utility>
 
@@ -262,6 +263,34 @@ std::vector<TextureStore::PolygonState> TextureStore::read_polygon_states() cons
   return states;
 }
 
+Exposure TextureStore::read_exposure() const {
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  Exposure result;
+  glGetNamedBufferSubData(exposure(), 0, sizeof result, &result);
+  return result;
+}
+
+TextureStore::Contents TextureStore::read_as_shown() const {
+  Contents contents{read_pages(), read_polygon_states()};
+  const Exposure exposure = read_exposure();
+  const auto& [red, green, blue, unused] = exposure.shown;
+  if (red == 1 && green == 1 && blue == 1) return contents;
+  cv::Mat table(1, 256, CV_8UC4);
+  for (int i = 0; i < 256; ++i) {
+    const auto shown = [i](float gain) {
+      return cv::saturate_cast<std::uint8_t>(255 * exposed(static_cast<float>(i) / 255, gain));
+    };
+    table.at<cv::Vec4b>(0, i) = {shown(blue), shown(green), shown(red), static_cast<std::uint8_t>(i)};
+  }
+  for (cv::Mat& page : contents.pages) cv::LUT(page, table, page);
+  for (PolygonState& state : contents.states) {
+    state.red = std::min(exposed(state.red, red), 1.0F);
+    state.green = std::min(exposed(state.green, green), 1.0F);
+    state.blue = std::min(exposed(state.blue, blue), 1.0F);
+  }
+  return contents;
+}
+
 void TextureStore::write_pages(const std::vector<cv::Mat>& new_pages, const std::vector<PolygonState>& states) {
   assert(new_pages.size() == layout_.pages && states.size() == model_.polygons().size());
   publish(TextureSets::Begin::replace, [&] {
@@ -276,6 +305,8 @@ void TextureStore::write_pages(const std::vector<cv::Mat>& new_pages, const std:
     }
     glNamedBufferSubData(polygon_states(), 0, static_cast<GLsizeiptr>(states.size() * sizeof(PolygonState)),
                          states.data());
+    constexpr Exposure kAsTheyAre;
+    glNamedBufferSubData(exposure(), 0, sizeof kAsTheyAre, &kAsTheyAre);
     std::vector<std::uint32_t> all(model_.polygons().size());
     std::iota(all.begin(), all.end(), 0U);
     update_levels(all);

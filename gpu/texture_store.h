@@ -5,6 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "foreview/gpu/exposure.h"
 #include "foreview/gpu/gl_objects.h"
 #include "foreview/gpu/texture_sets.h"
 #include "foreview/scene/chart_layout.h"
@@ -47,6 +48,10 @@ class TextureStore {
     float seen = 0;                      ///< 1 once any texel was observed, else 0; 0.5: colour spread from neighbours
   };
   [[nodiscard]] GLuint polygon_states() const { return sets_->polygon_states(); }
+
+  /// Buffer of one Exposure (gpu/exposure.h), by which the display changes colours of textures and states: 1 unless an
+  /// extraction writes something else.
+  [[nodiscard]] GLuint exposure() const { return sets_->exposure(); }
 
   /// Chooses a free set and brings it up to what the newest one holds (it copies what changed since the set was last
   /// written); from here to end_picture() it is the set that pages() means. False, and nothing done, if there is none
@@ -97,13 +102,20 @@ class TextureStore {
   /// on the seen polygons' states only. No read-back and no wait; costs a pass for each rim that there is.
   void spread_to_never_seen(unsigned max_rims);
   static constexpr unsigned kRimsPerPicture = 16;
-  /// Nothing seen: all texels transparent black, all polygons mid grey.
+  /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1.
   void clear();
 
-  /// Whole pages as CV_8UC4, BGRA order, level 0.
+  /// Whole pages as CV_8UC4, BGRA order, level 0, as they are kept: exposure() is not in them.
   [[nodiscard]] std::vector<cv::Mat> read_pages() const;
   [[nodiscard]] std::vector<PolygonState> read_polygon_states() const;
-  /// Replaces all: pages as read_pages() gives them (levels are rebuilt), and the states.
+  [[nodiscard]] Exposure read_exposure() const;
+  /// Pages and states with the colours that are shown, and so for an exposure of 1.
+  struct Contents {
+    std::vector<cv::Mat> pages;
+    std::vector<PolygonState> states;
+  };
+  [[nodiscard]] Contents read_as_shown() const;
+  /// Replaces all: pages as read_pages() gives them (levels are rebuilt), and the states; the exposure becomes 1.
   void write_pages(const std::vector<cv::Mat>& pages, const std::vector<PolygonState>& states);
   /// Texels of level 0 with alpha 1, by read-back: for statistics and tests.
   [[nodiscard]] std::size_t count_observed_texels() const;

@@ -78,13 +78,15 @@ void save_textures(const TextureStore& store, const fs::path& directory) {
   index.polygons = static_cast<int>(store.model().polygons().size());
   index.charts = static_cast<int>(store.layout().groups.size());
   index.page_size = store.layout().page_size;
-  for (const cv::Mat& page : store.read_pages()) {
+  // With the exposure in them, so that files show what was shown, and fit whatever goes on with them.
+  const TextureStore::Contents contents = store.read_as_shown();
+  for (const cv::Mat& page : contents.pages) {
     std::vector<unsigned char> png;
     if (!cv::imencode(".png", page, png)) throw InputError(directory.string(), "a page cannot be encoded as PNG");
     index.page_checksums.push_back(file_checksum(view(png)));
     write_beside(page_file(files.size()), view(png));
   }
-  const std::string states = to_states_csv(store.read_polygon_states());
+  const std::string states = to_states_csv(contents.states);
   index.states_checksum = file_checksum(states);
   write_beside(kStatesFile, states);
   write_beside(kIndexFile, to_textures_yaml(index));

@@ -101,6 +101,7 @@ Json json_of(const EvaluationOptions& options) {
   result["alpha_c"] = replay.extraction.alpha_c;
   result["small_texture"] = replay.extraction.small_texture;
   result["fill"] = to_string(replay.extraction.fill);
+  result["exposure"] = exposure_name(replay.extraction.compensate_exposure);
   result["near"] = replay.extraction.near_plane;
   result["load_textures"] = replay.load_textures ? Json(replay.load_textures->string()) : Json(nullptr);
   return result;

@@ -59,6 +59,17 @@ HoleFilling parse_hole_filling(const std::string& text, const std::string& optio
   return parse_choice(text, option, {HoleFilling::pyramid, HoleFilling::iterative, HoleFilling::none});
 }
 
+const char* exposure_name(bool compensated) {
+  return compensated ? "auto" : "off";
+}
+
+bool parse_exposure(const std::string& text, const std::string& option) {
+  for (const bool compensated : {true, false}) {
+    if (text == exposure_name(compensated)) return compensated;
+  }
+  throw InputError(option, "'" + text + "' is none of its values: auto, off");
+}
+
 PipelineKind parse_pipeline(const std::string& text, const std::string& option) {
   return parse_choice(text, option, {PipelineKind::batched, PipelineKind::per_polygon});
 }

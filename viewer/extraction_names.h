@@ -12,6 +12,9 @@ namespace foreview {
 [[nodiscard]] HoleFilling parse_hole_filling(const std::string& text, const std::string& option);
 /// "batched", "per-polygon".
 [[nodiscard]] PipelineKind parse_pipeline(const std::string& text, const std::string& option);
+/// "auto": true, "off": false (ExtractionOptions::compensate_exposure).
+[[nodiscard]] bool parse_exposure(const std::string& text, const std::string& option);
+[[nodiscard]] const char* exposure_name(bool compensated);
 [[nodiscard]] const char* to_string(ArtefactSuppression artefacts);
 [[nodiscard]] const char* to_string(HoleFilling fill);
 [[nodiscard]] const char* to_string(PipelineKind pipeline);

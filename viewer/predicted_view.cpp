@@ -14,6 +14,7 @@ namespace foreview {
 namespace {
 
 constexpr GLuint kPartsBinding = 0, kChartsBinding = 1, kPolygonStatesBinding = 2;
+constexpr GLuint kExposureBinding = 0;  // of uniform buffers
 constexpr GLuint kPagesUnit = 0;
 constexpr glm::vec3 kLineColour{0.25F, 1.0F, 0.35F};
 
@@ -152,6 +153,7 @@ struct PredictedView::State {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kChartsBinding, charts.id());
     const TextureStore::Shown shown = store.acquire();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPolygonStatesBinding, shown.polygon_states);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kExposureBinding, shown.exposure);
     glBindTextureUnit(kPagesUnit, shown.pages);
     glBindSampler(kPagesUnit, sampler.id());
   }

@@ -12,9 +12,9 @@ namespace foreview {
 
 /// Adds to a subcommand everything that decides the predicted view of a recording: the positional RECORDING and
 /// --scene, --camera, --delay, --from, --to, --history, --artefacts, --passes, --alpha-c, --small-texture, --fill,
-/// --density, --max-texels, --near, --load-textures, --save-textures. `options` keeps its values where an option is not
-/// given, and must live until the app has been parsed. Values that cannot be are InputErrors naming the option, thrown
-/// while the app is being parsed.
+/// --density, --max-texels, --exposure, --near, --load-textures, --save-textures. `options` keeps its values where an
+/// option is not given, and must live until the app has been parsed. Values that cannot be are InputErrors naming the
+/// option, thrown while the app is being parsed.
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
 /// Adds --pipeline and --stats, likewise.

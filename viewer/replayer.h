@@ -22,7 +22,7 @@ struct ReplayOptions {
   std::string from, to;                ///< positions as Recording::parse_position; empty: all
   std::optional<std::size_t> history;  ///< only the last N pictures before t - delay
   PipelineKind pipeline = PipelineKind::batched;
-  ExtractionOptions extraction;
+  ExtractionOptions extraction{.compensate_exposure = true};
   std::optional<double> density;  ///< texels per metre; else the recording's proposal, else propose_textures()
   std::optional<int> max_texels;  ///< else the recording's proposal, else propose_textures()
   std::optional<std::filesystem::path> load_textures, save_textures;

@@ -9,6 +9,7 @@
 #include "foreview/gpu/batched/chart_geometry.h"
 #include "foreview/gpu/batched/chart_pyramid.h"
 #include "foreview/gpu/batched/chart_tables.h"
+#include "foreview/gpu/batched/exposure_estimator.h"
 #include "foreview/gpu/batched/gatherer.h"
 #include "foreview/gpu/batched/page_targets.h"
 #include "foreview/gpu/batched/patch_lists.h"
@@ -58,10 +59,13 @@ struct BatchedExtraction::State {
         is_late(store.layout().groups.size()),
         all_charts(store.layout().groups.size()) {
     std::iota(all_charts.begin(), all_charts.end(), 0U);
+    if (options.compensate_exposure) exposure.emplace(store.model(), store.layout(), geometry);
   }
 
   /// Which of the picture's charts have been written from a newer one; of the others it is the newest from now on.
   void compare_stamps(Timestamp stamp) {
+    is_late_for_all = newest_of_all && stamp < *newest_of_all;
+    if (!is_late_for_all) newest_of_all = stamp;
     for (const std::uint32_t chart : setup.charts()) {
       is_late[chart] = newest[chart] && stamp < *newest[chart];
       if (!is_late[chart]) newest[chart] = stamp;
@@ -79,6 +83,9 @@ struct BatchedExtraction::State {
   PageTargets pages;
   Gatherer gatherer;
   ChartPyramid pyramid;
+  std::optional<ExposureEstimator> exposure;  ///< none: off
+  std::optional<Timestamp> newest_of_all;
+  bool is_late_for_all = false;
   std::vector<std::optional<Timestamp>> newest;  ///< by chart
   std::vector<bool> is_late;                     ///< by chart, of the current picture
   std::vector<std::uint32_t> touched;            ///< polygons
@@ -129,8 +136,13 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   if (camera.width > 1 && camera.height > 1) s.fill_all = false;
   s.patches.touch(s.setup, charts, camera, near_plane, s.bounds);
   clock.lap(ExtractionStep::occlusion);
-  s.gatherer.gather(s.setup, s.is_late, camera, near_plane, s.undistorter.texture(), s.bounds, s.patches,
-                    s.pages.level(0).targets);
+  if (s.exposure) {
+    s.exposure->estimate(camera, near_plane, s.undistorter.texture(), s.bounds, s.patches,
+                         s.pyramid.observed(ExposureEstimator::kLevel), s.store.exposure(), s.is_late_for_all);
+    clock.lap(ExtractionStep::other);
+  }
+  s.gatherer.gather(s.setup, s.is_late, camera, near_plane, s.undistorter.texture(), s.store.exposure(), s.bounds,
+                    s.patches, s.pages.level(0).targets);
   clock.lap(ExtractionStep::normalisation);
   s.pyramid.pull(charts);
   s.pyramid.push();
@@ -176,6 +188,8 @@ void BatchedExtraction::clear() {
   s.patches.clear();
   std::ranges::fill(s.newest, std::nullopt);
   s.fill_all = false;
+  s.newest_of_all.reset();
+  if (s.exposure) s.exposure->clear();
 }
 
 void BatchedExtraction::adopt_store() {
@@ -194,6 +208,8 @@ void BatchedExtraction::adopt_store() {
   s.pyramid.pull(s.all_charts, ChartPyramid::Pull::leave_pages);
   s.fill_all = true;
   std::ranges::fill(s.newest, std::nullopt);
+  s.newest_of_all.reset();
+  if (s.exposure) s.exposure->clear();
 }
 
 void BatchedExtraction::set_timing(ExtractionTiming timing) {

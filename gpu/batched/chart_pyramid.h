@@ -26,6 +26,8 @@ class ChartPyramid {
   void push();
   /// Rule 8, for all polygons.
   void write_states(GLuint polygon_states);
+  /// What was observed, in the pages' layout; level 1..4.
+  [[nodiscard]] GLuint observed(int level) const { return pulled_[static_cast<std::size_t>(level)].texture.id(); }
   /// CV_8UC4 BGRA, one a page; level 1..4.
   [[nodiscard]] std::vector<cv::Mat> read_pulled(int level) const;
 

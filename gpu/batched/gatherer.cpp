@@ -32,8 +32,8 @@ Gatherer::Gatherer(const ChartGeometry& geometry, const ChartLayout& layout)
 }
 
 void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera,
-                      double near_plane, GLuint undistorted, const PictureBounds& bounds, const PatchLists& patches,
-                      const LayerTargets& into) {
+                      double near_plane, GLuint undistorted, GLuint exposure, const PictureBounds& bounds,
+                      const PatchLists& patches, const LayerTargets& into) {
   texels_ = 0;
   counted_ = false;
   if (camera.width < 2 || camera.height < 2) return;
@@ -73,6 +73,7 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
   glBindTextureUnit(0, undistorted);
   glBindSampler(0, linear_.id());
   glBindTextureUnit(1, bounds.cells());
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, exposure);
   glVertexArrayElementBuffer(geometry_.vertex_array(), index_buffer_.id());
   glBindVertexArray(geometry_.vertex_array());
   for (GLenum i = 0; i < kClipDistances; ++i) glEnable(GL_CLIP_DISTANCE0 + i);

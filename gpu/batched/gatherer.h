@@ -15,10 +15,12 @@ namespace foreview::batched {
 class Gatherer {
  public:
   Gatherer(const ChartGeometry& geometry, const ChartLayout& layout);
-  /// `is_late`: by chart, whether a newer picture has written it. `undistorted` is the picture, of `room` texels.
+  /// `is_late`: by chart, whether a newer picture has written it. `undistorted` is the picture,
+  /// `exposure` its Exposure (gpu/exposure.h).
   /// PictureSetup and PatchLists must be bound.
   void gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera, double near_plane,
-              GLuint undistorted, const PictureBounds& bounds, const PatchLists& patches, const LayerTargets& into);
+              GLuint undistorted, GLuint exposure, const PictureBounds& bounds, const PatchLists& patches,
+              const LayerTargets& into);
   /// Texels of what was drawn last, by area: before patches that can change nothing are left out.
   [[nodiscard]] std::size_t texels() const { return static_cast<std::size_t>(texels_ + 0.5); }
   void set_counting(bool on) { counting_ = on; }

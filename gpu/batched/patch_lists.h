@@ -38,6 +38,8 @@ class PatchLists {
   void draw(List list, int level, const LayerTargets& into);
   /// Binds what batched_patches.glsl reads.
   void bind() const;
+  /// Patches that touch() asked about; batched_patches' candidates.
+  [[nodiscard]] GLuint candidate_count() const { return static_cast<GLuint>(candidates_.size()); }
   [[nodiscard]] GLuint picture_number() const { return picture_number_; }
   /// How long the lists are. Waits for the GPU.
   [[nodiscard]] std::array<std::size_t, 3> lengths() const;

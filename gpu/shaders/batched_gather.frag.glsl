@@ -1,5 +1,6 @@
 #version 450 core
 // Rule 5. Without FOOTPRINT only for texels smaller than a pixel.
+#include "exposure.glsl"
 layout(binding = 0) uniform sampler2D picture;  // bilinear
 layout(binding = 1) uniform sampler2D bounds;
 layout(location = 3) uniform float near_plane;  // metres
@@ -35,9 +36,9 @@ void main() {
     }
   }
   if (!safe) discard;
-  colour = vec4(sum / (cells.x * cells.y), 1.0);
+  colour = vec4(exposed(sum / (cells.x * cells.y), inverse_gain.rgb), 1.0);
 #else
   if (!is_safe(w, pixel)) discard;
-  colour = vec4(textureLod(picture, pixel * pixel_to_uv, 0.0).rgb, 1.0);
+  colour = vec4(exposed(textureLod(picture, pixel * pixel_to_uv, 0.0).rgb, inverse_gain.rgb), 1.0);
 #endif
 }

@@ -1,6 +1,7 @@
 #version 450 core
 // Colour of a polygon at a pixel (default), or with SURFACE what lies there. See viewer/predicted_view.h.
 
+#include "exposure.glsl"
 #include "view_chart.glsl"
 
 layout(std430, binding = 2) readonly buffer PolygonStates { vec4 polygon_states[]; };  // mean colour, seen
@@ -40,9 +41,10 @@ void main() {
   if (holes_pink && !(textured && chart_is_observed(polygon_index, chart_texel))) {
     rgb = kPink;
   } else if (textured) {
-    rgb = chart_colour(polygon_index, chart_texel, texel_per_x, texel_per_y);
+    rgb = exposed(chart_colour(polygon_index, chart_texel, texel_per_x, texel_per_y), shown_gain.rgb);
   } else {
-    rgb = gl_FrontFacing ? state.rgb : back_face_colour(state.rgb);
+    vec3 mean_colour = exposed(state.rgb, shown_gain.rgb);
+    rgb = gl_FrontFacing ? mean_colour : back_face_colour(mean_colour);
   }
   colour = vec4(rgb, 1.0);
 #endif

@@ -43,6 +43,13 @@ TEST(ReplayOptionsCli, DefaultsAreThoseOfTheStructure) {
   EXPECT_EQ(options.extraction.fill, HoleFilling::pyramid);
 }
 
+TEST(ReplayOptionsCli, Exposure) {
+  EXPECT_TRUE(parse({"workcell"}).extraction.compensate_exposure);
+  EXPECT_TRUE(parse({"workcell", "--exposure", "auto"}).extraction.compensate_exposure);
+  EXPECT_FALSE(parse({"workcell", "--exposure", "off"}).extraction.compensate_exposure);
+  EXPECT_NE(refusal({"workcell", "--exposure", "on"}).find("--exposure"), std::string::npos);
+}
+
 TEST(ReplayOptionsCli, PipelineAndCounters) {
   EXPECT_EQ(parse({"workcell"}).pipeline, PipelineKind::batched);
   EXPECT_FALSE(parse({"workcell"}).stats);
