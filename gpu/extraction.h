@@ -66,13 +66,13 @@ struct ExtractionStatistics {
   std::size_t polygons_skipped_back_face = 0, polygons_skipped_outside = 0, polygons_skipped_too_small = 0;
   std::size_t polygons_exempt_small = 0;  ///< not suppressed because of small_texture
   std::size_t charts_touched = 0;
-  std::size_t texels_written = 0;   ///< that the extraction looked at, by area: all that it computed a position for
-  std::size_t texels_filled = 0;    ///< that hole filling and the levels went over (level 0, whole blocks)
+  std::size_t texels_written = 0;  ///< that the extraction looked at, by area: all that it computed a position for
+  std::size_t texels_filled = 0;   ///< that hole filling and the levels went over (level 0, whole blocks)
   /// Of texels_written those that took a colour, or (batched) would have, had a late picture not found one there; only
   /// counted when asked for (it costs a read-back); else 0.
   std::size_t texels_observed = 0;
-  std::size_t passes = 0;           ///< draws and dispatches that a barrier or a change of target parts
-  std::size_t draw_calls = 0;       ///< draws and dispatches
+  std::size_t passes = 0;      ///< draws and dispatches that a barrier or a change of target parts
+  std::size_t draw_calls = 0;  ///< draws and dispatches
   /// Filled only when timing is switched on.
   std::array<double, kExtractionSteps> step_ms{};  ///< by ExtractionStep
   double total_ms = 0;
