@@ -149,6 +149,15 @@ GlTexture make_texture_2d_array(GLenum internal_format, int width, int height, i
   return texture;
 }
 
+GlSampler make_clamped_sampler(GLenum minification) {
+  GlSampler sampler = GlSampler::create();
+  glSamplerParameteri(sampler.id(), GL_TEXTURE_MIN_FILTER, static_cast<GLint>(minification));
+  glSamplerParameteri(sampler.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glSamplerParameteri(sampler.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(sampler.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return sampler;
+}
+
 GlFramebuffer make_framebuffer(GLuint color_texture, GLuint depth_texture, int level) {
   GlFramebuffer framebuffer = GlFramebuffer::create();
   if (color_texture != 0) {

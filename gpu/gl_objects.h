@@ -136,6 +136,8 @@ class GlFence {
 [[nodiscard]] GlTexture make_texture_2d(GLenum internal_format, int width, int height, int levels = 1);
 [[nodiscard]] GlTexture make_texture_2d_array(GLenum internal_format, int width, int height, int layers,
                                               int levels = 1);
+/// Bilinear magnification, clamped to the edge.
+[[nodiscard]] GlSampler make_clamped_sampler(GLenum minification = GL_LINEAR);
 /// One colour attachment (level `level` of `color_texture`), draw buffer 0, and depth; either may be 0, for none. Of an
 /// array texture all layers are attached (gl_Layer selects). GraphicsError if incomplete.
 [[nodiscard]] GlFramebuffer make_framebuffer(GLuint color_texture, GLuint depth_texture = 0, int level = 0);

@@ -15,8 +15,6 @@ static_assert(kChartAlignment == 16 && kChartLevels == 5, "copy_blocks.comp.glsl
 
 namespace {
 
-/// Fewest that GL guarantees along an axis of a dispatch is 65535.
-constexpr std::size_t kGroupsPerRow = 1024, kGroupsPerDispatch = kGroupsPerRow * 1024;
 /// What a copy command costs beside its bytes, expressed in bytes: about 1 us at 10 GB/s.
 constexpr std::size_t kBytesPerCommand = 10'000;
 
@@ -31,7 +29,7 @@ PageCopier::PageCopier(const ChartLayout& layout, std::vector<GLuint> sets)
     : layout_(layout),
       sets_(std::move(sets)),
       program_(make_compute_program("copy_blocks.comp.glsl")),
-      blocks_(GlBuffer::create()),
+      blocks_(layout),
       shares_(layout.pages) {
   for (const GLuint set : sets_) {
     GLuint id = 0;
@@ -42,11 +40,6 @@ PageCopier::PageCopier(const ChartLayout& layout, std::vector<GLuint> sets)
     glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
     glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   }
-  std::size_t blocks = 0;
-  for (const ChartGroup& group : layout.groups) blocks += blocks_of(group);
-  block_list_.reserve(blocks);
-  glNamedBufferStorage(blocks_.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(blocks, 1) * sizeof(std::uint32_t)),
-                       nullptr, GL_DYNAMIC_STORAGE_BIT);
 }
 
 void PageCopier::copy(const std::vector<std::uint32_t>& groups, std::size_t from, std::size_t to) {
@@ -107,34 +100,15 @@ void PageCopier::copy_by_commands(const std::vector<std::uint32_t>& groups, GLui
 }
 
 void PageCopier::copy_by_dispatch(const std::vector<std::uint32_t>& groups, std::size_t from, GLuint to) {
-  block_list_.clear();
-  for (const std::uint32_t index : groups) {
-    const ChartGroup& group = layout_.groups[index];
-    const glm::ivec2 first = group.origin / kChartAlignment, count = group.size / kChartAlignment;
-    for (int y = first.y; y < first.y + count.y; ++y) {
-      for (int x = first.x; x < first.x + count.x; ++x) {
-        block_list_.push_back(static_cast<std::uint32_t>(x) | static_cast<std::uint32_t>(y) << 10 | group.page << 20);
-      }
-    }
-  }
-  glNamedBufferSubData(blocks_.id(), 0, static_cast<GLsizeiptr>(block_list_.size() * sizeof(std::uint32_t)),
-                       block_list_.data());
+  blocks_.list(groups);
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
   glUseProgram(program_.id());
   glBindTextureUnit(0, bits_[from].id());
   glBindSampler(0, 0);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, blocks_.id());
   for (int level = 0; level < kChartLevels; ++level) {
     glBindImageTexture(static_cast<GLuint>(level), to, level, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
   }
-  for (std::size_t first = 0; first < block_list_.size(); first += kGroupsPerDispatch) {
-    const std::size_t count = std::min(kGroupsPerDispatch, block_list_.size() - first);
-    const std::size_t columns = std::min(count, kGroupsPerRow);
-    glUniform1ui(0, static_cast<GLuint>(first));
-    glUniform1ui(1, static_cast<GLuint>(count));
-    count_draw();
-    glDispatchCompute(static_cast<GLuint>(columns), static_cast<GLuint>((count + columns - 1) / columns), 1);
-  }
+  blocks_.dispatch();
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 

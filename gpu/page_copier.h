@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "foreview/gpu/chart_blocks.h"
 #include "foreview/gpu/gl_objects.h"
 #include "foreview/scene/chart_layout.h"
 
@@ -41,8 +42,7 @@ class PageCopier {
   std::vector<GlTexture> bits_;  ///< the sets seen as R32UI
   Method method_ = Method::commands;
   GlProgram program_;
-  GlBuffer blocks_;
-  std::vector<std::uint32_t> block_list_;
+  ChartBlocks blocks_;
   struct Share {
     std::size_t groups = 0, texels = 0;
   };

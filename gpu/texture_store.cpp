@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "foreview/gpu/chart_blocks.h"
 #include "foreview/gpu/draw_tally.h"
 #include "foreview/scene/errors.h"
 
@@ -25,9 +26,6 @@ constexpr unsigned kPassesPerRound = 16;
 struct DispatchCommand {
   GLuint x = 0, y = 1, z = 1;
 };
-/// Fewest that GL guarantees along an axis of a dispatch is 65535.
-constexpr std::size_t kGroupsPerRow = 1024, kGroupsPerDispatch = kGroupsPerRow * 1024;
-
 GlBuffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags) {
   GlBuffer buffer = GlBuffer::create();
   // A buffer of no bytes is an error, and a model without any neighbours is none.
@@ -40,10 +38,6 @@ GlBuffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags) {
 /// Workgroups of 64 for one invocation per polygon.
 GLuint groups_of(std::size_t polygons) {
   return static_cast<GLuint>((polygons + 63) / 64);
-}
-
-std::uint32_t pack_block(int column, int row, std::uint32_t page) {
-  return static_cast<std::uint32_t>(column) | static_cast<std::uint32_t>(row) << 10 | page << 20;
 }
 
 void check_limits(const ChartLayout& layout) {
@@ -68,14 +62,16 @@ void check_limits(const ChartLayout& layout) {
 }  // namespace
 
 struct TextureStore::Tools {
+  explicit Tools(const ChartLayout& layout) : blocks(layout) {}
   GlProgram levels = make_compute_program("chart_levels.comp.glsl");
   GlProgram spread_begin = make_compute_program("spread_begin.comp.glsl");
   GlProgram spread_pass = make_compute_program("spread_pass.comp.glsl");
   GlProgram spread_end = make_compute_program("spread_end.comp.glsl");
-  GlBuffer blocks, first_neighbour, neighbours, rims;
+  ChartBlocks blocks;
+  GlBuffer first_neighbour, neighbours, rims;
   GlBuffer first_commands;  ///< what `commands` begin as: the first pass for all polygons, no other pass
   GlBuffer commands;        ///< of the passes of a round, and of the first pass of the next
-  std::vector<std::uint32_t> block_list, group_list;
+  std::vector<std::uint32_t> group_list;
 };
 
 TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing)
@@ -86,18 +82,14 @@ TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout, Publis
   check_limits(layout_);
 
   sets_ = std::make_unique<TextureSets>(layout_, polygons, publishing);
-  tools_ = std::make_unique<Tools>();
-  std::size_t blocks = 0;
+  tools_ = std::make_unique<Tools>(layout_);
   assert(layout_.members.size() == polygons && layout_.outline.size() == model_.corners().size());
   for (const ChartGroup& chart : layout_.groups) {
     assert(chart.origin.x % kChartAlignment == 0 && chart.origin.y % kChartAlignment == 0);
     assert(chart.size.x % kChartAlignment == 0 && chart.size.y % kChartAlignment == 0);
     assert(chart.page < layout_.pages && chart.origin.x + chart.size.x <= layout_.page_size &&
            chart.origin.y + chart.size.y <= layout_.page_size);
-    blocks += static_cast<std::size_t>(chart.size.x / kChartAlignment * (chart.size.y / kChartAlignment));
   }
-  tools_->block_list.reserve(blocks);
-  tools_->blocks = make_buffer(nullptr, blocks * sizeof(std::uint32_t), GL_DYNAMIC_STORAGE_BIT);
 
   std::vector<std::uint32_t> first, neighbours;
   for (std::size_t i = 0; i < polygons; ++i) {
@@ -151,39 +143,22 @@ void TextureStore::clear() {
 
 void TextureStore::update_levels(const std::vector<std::uint32_t>& polygons) {
   assert(sets_->is_writing() || sets_->publishing() == Publishing::direct);
-  std::vector<std::uint32_t>& blocks = tools_->block_list;
-  blocks.clear();
   std::vector<std::uint32_t>& groups = tools_->group_list;
   groups.clear();
   for (const std::uint32_t polygon : polygons) groups.push_back(layout_.charts[polygon].group);
   std::sort(groups.begin(), groups.end());
   groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
-  for (const std::uint32_t group : groups) {
-    const ChartGroup& chart = layout_.groups[group];
-    const glm::ivec2 first = chart.origin / kChartAlignment, count = chart.size / kChartAlignment;
-    for (int y = 0; y < count.y; ++y) {
-      for (int x = 0; x < count.x; ++x) blocks.push_back(pack_block(first.x + x, first.y + y, chart.page));
-    }
-  }
+  ChartBlocks& blocks = tools_->blocks;
+  blocks.list(groups);
   if (blocks.empty()) return;
-  glNamedBufferSubData(tools_->blocks.id(), 0, static_cast<GLsizeiptr>(blocks.size() * sizeof(std::uint32_t)),
-                       blocks.data());
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
   glUseProgram(tools_->levels.id());
   glBindTextureUnit(0, pages());
   glBindSampler(0, 0);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tools_->blocks.id());
   for (int level = 1; level < kChartLevels; ++level) {
     glBindImageTexture(static_cast<GLuint>(level - 1), pages(), level, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
   }
-  for (std::size_t first = 0; first < blocks.size(); first += kGroupsPerDispatch) {
-    const std::size_t count = std::min(kGroupsPerDispatch, blocks.size() - first);
-    const std::size_t columns = std::min(count, kGroupsPerRow);
-    glUniform1ui(0, static_cast<GLuint>(first));
-    glUniform1ui(1, static_cast<GLuint>(count));
-    count_draw();
-    glDispatchCompute(static_cast<GLuint>(columns), static_cast<GLuint>((count + columns - 1) / columns), 1);
-  }
+  blocks.dispatch();
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
                   GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }

@@ -124,4 +124,8 @@ struct PolygonFrame {
 };
 [[nodiscard]] PolygonFrame polygon_frame(const PolygonModel& model, std::size_t polygon);
 
+/// The middle of the box around each part's polygons, part frame; the origin for a part without any. Positions relative
+/// to it fit into floats.
+[[nodiscard]] std::vector<glm::dvec3> centres_of_parts(const PolygonModel& model);
+
 }  // namespace foreview

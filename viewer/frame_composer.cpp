@@ -19,14 +19,10 @@ FrameComposer::FrameComposer(Replayer& replayer, double near_plane)
       near_plane_(near_plane),
       picture_program_(make_program("fullscreen.vert.glsl", "view_picture.frag.glsl")),
       no_vertices_(GlVertexArray::create()),
-      picture_sampler_(GlSampler::create()) {
+      picture_sampler_(make_clamped_sampler(GL_LINEAR_MIPMAP_LINEAR)) {
   const CameraModel& camera = replayer_.operator_camera();
   const auto longest = static_cast<unsigned>(std::max(camera.width, camera.height));
   picture_ = make_texture_2d(GL_RGBA8, camera.width, camera.height, static_cast<int>(std::bit_width(longest)));
-  glSamplerParameteri(picture_sampler_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glSamplerParameteri(picture_sampler_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glSamplerParameteri(picture_sampler_.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glSamplerParameteri(picture_sampler_.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 FrameComposer::Size FrameComposer::native_size(DisplayMode mode) const {

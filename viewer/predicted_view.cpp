@@ -101,7 +101,7 @@ struct PredictedView::State {
         charts(make_buffer(geometry.charts)),
         parts(make_buffer(std::vector<glm::mat4>(geometry.part_centres.size()), GL_DYNAMIC_STORAGE_BIT)),
         vao(GlVertexArray::create()),
-        sampler(GlSampler::create()),
+        sampler(make_clamped_sampler(GL_LINEAR_MIPMAP_NEAREST)),
         polygon_program(make_program("view_polygons.vert.glsl", "view_polygons.frag.glsl")),
         surface_program(make_program("view_polygons.vert.glsl", "view_polygons.frag.glsl", "#define SURFACE 1\n")),
         depth_program(make_program("view_polygons.vert.glsl", "view_wireframe.frag.glsl")),
@@ -112,10 +112,6 @@ struct PredictedView::State {
     set_attribute(vao.id(), 2, 1, offsetof(ViewGeometry::Vertex, polygon), true);
     set_attribute(vao.id(), 3, 1, offsetof(ViewGeometry::Vertex, part), true);
     // The shader asks for whole levels only, because each level has a clamp of its own.
-    glSamplerParameteri(sampler.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
-    glSamplerParameteri(sampler.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glSamplerParameteri(sampler.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glSamplerParameteri(sampler.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glProgramUniform3fv(edge_program.id(), glGetUniformLocation(edge_program.id(), "line_colour"), 1,
                         glm::value_ptr(kLineColour));
   }

@@ -10,24 +10,6 @@
 namespace foreview {
 namespace {
 
-std::vector<glm::dvec3> centres_of_parts(const PolygonModel& model) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<glm::dvec3> lower(model.parts().size(), glm::dvec3(kInfinity));
-  std::vector<glm::dvec3> upper(model.parts().size(), glm::dvec3(-kInfinity));
-  for (std::size_t p = 0; p < model.polygons().size(); ++p) {
-    const std::uint32_t part = model.polygons()[p].part;
-    for (const std::uint32_t v : model.corners_of(p)) {
-      lower[part] = glm::min(lower[part], model.vertices()[v]);
-      upper[part] = glm::max(upper[part], model.vertices()[v]);
-    }
-  }
-  std::vector<glm::dvec3> centres(model.parts().size(), glm::dvec3(0));
-  for (std::size_t i = 0; i < centres.size(); ++i) {
-    if (lower[i].x <= upper[i].x) centres[i] = 0.5 * (lower[i] + upper[i]);
-  }
-  return centres;
-}
-
 ViewGeometry::ChartRecord chart_record(const Chart& chart) {
   ViewGeometry::ChartRecord record;
   record.origin = glm::vec2(chart.origin);

@@ -41,6 +41,15 @@ const ExtractionOptions& validated(const ExtractionOptions& options) {
   return options;
 }
 
+/// What all passes begin from, whatever was drawn before.
+void set_up_passes() {
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+}
+
 }  // namespace
 
 struct BatchedExtraction::State {
@@ -70,6 +79,15 @@ struct BatchedExtraction::State {
       is_late[chart] = newest[chart] && stamp < *newest[chart];
       if (!is_late[chart]) newest[chart] = stamp;
     }
+  }
+
+  /// All that was seen, but for the store's pages.
+  void forget() {
+    pyramid.clear();
+    patches.clear();
+    std::ranges::fill(newest, std::nullopt);
+    newest_of_all.reset();
+    if (exposure) exposure->clear();
   }
 
   TextureStore& store;
@@ -118,11 +136,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   s.setup.prepare(camera, frame.state, near_plane);
   s.compare_stamps(frame.state.stamp);
   s.setup.bind();
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+  set_up_passes();
   clock.lap(ExtractionStep::projection);
 
   s.bounds.make_room(camera.width, camera.height);
@@ -184,32 +198,20 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
 void BatchedExtraction::clear() {
   State& s = *state_;
   s.store.clear();
-  s.pyramid.clear();
-  s.patches.clear();
-  std::ranges::fill(s.newest, std::nullopt);
+  s.forget();
   s.fill_all = false;
-  s.newest_of_all.reset();
-  if (s.exposure) s.exposure->clear();
 }
 
 void BatchedExtraction::adopt_store() {
   State& s = *state_;
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+  set_up_passes();
   // Nothing of what was seen before may stay. The pages, which the display may be reading, stay as they are until the
   // next picture.
-  s.pyramid.clear();
-  s.patches.clear();
+  s.forget();
   s.patches.touch_all();
   s.pyramid.pull(s.all_charts, ChartPyramid::Pull::leave_pages);
   s.fill_all = true;
-  std::ranges::fill(s.newest, std::nullopt);
-  s.newest_of_all.reset();
-  if (s.exposure) s.exposure->clear();
 }
 
 void BatchedExtraction::set_timing(ExtractionTiming timing) {

@@ -12,24 +12,6 @@ namespace {
 
 constexpr double kLeastLength = 1e-9;  // texels
 
-std::vector<glm::dvec3> centres_of_parts(const PolygonModel& model) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<glm::dvec3> lower(model.parts().size(), glm::dvec3(kInfinity)),
-      upper(model.parts().size(), glm::dvec3(-kInfinity));
-  for (std::size_t i = 0; i < model.polygons().size(); ++i) {
-    const std::uint32_t part = model.polygons()[i].part;
-    for (const std::uint32_t vertex : model.corners_of(i)) {
-      lower[part] = glm::min(lower[part], model.vertices()[vertex]);
-      upper[part] = glm::max(upper[part], model.vertices()[vertex]);
-    }
-  }
-  std::vector<glm::dvec3> centres(model.parts().size(), glm::dvec3(0));
-  for (std::size_t i = 0; i < centres.size(); ++i) {
-    if (lower[i].x <= upper[i].x) centres[i] = 0.5 * (lower[i] + upper[i]);
-  }
-  return centres;
-}
-
 double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
@@ -166,7 +148,7 @@ void ChartGeometry::add_shape(Making& making, const std::vector<glm::dvec2>& sha
     lower = glm::min(lower, p);
     upper = glm::max(upper, p);
   }
-  const glm::ivec2 cells = (chart.size + (kPatchTexels - 1)) / kPatchTexels;
+  const glm::ivec2 cells = patch_grid(chart.size);
   const auto cell_of = [&](const glm::dvec2& p) {
     return glm::clamp(glm::ivec2(glm::floor((p - glm::dvec2(chart.origin)) / static_cast<double>(kPatchTexels))),
                       glm::ivec2(0), cells - 1);

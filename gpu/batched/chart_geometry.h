@@ -15,6 +15,11 @@ namespace foreview::batched {
 /// alone, as a whole. 32 measured best of 16, 32 and 64.
 inline constexpr int kPatchTexels = 32;
 
+/// How many patches a chart's block has along x and y.
+[[nodiscard]] inline glm::ivec2 patch_grid(const glm::ivec2& block_size) {
+  return (block_size + (kPatchTexels - 1)) / kPatchTexels;
+}
+
 /// The model twice, made once: its polygons as they lie in space, and as they lie in their charts, grown by the gutter
 /// where an edge is the chart's outline and cut along the borders of patches. Vertices carry both places; positions are
 /// relative to their part's centre, so that floats suffice.

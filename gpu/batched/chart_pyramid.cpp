@@ -35,14 +35,10 @@ ChartPyramid::ChartPyramid(const TextureStore& store, const ChartTables& tables,
       states_(make_compute_program("batched_states.comp.glsl")),
       chart_list_(GlBuffer::create()),
       no_vertices_(GlVertexArray::create()),
-      linear_(GlSampler::create()) {
+      linear_(make_clamped_sampler()) {
   glNamedBufferStorage(chart_list_.id(),
                        static_cast<GLsizeiptr>(std::max<std::size_t>(store.layout().groups.size(), 4) * sizeof(GLuint)),
                        nullptr, GL_DYNAMIC_STORAGE_BIT);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   for (int level = 0; level <= tables.tip_level(); ++level) {
     pulled_.push_back(level > 0 ? make(level) : Texture());
     filled_.push_back(level >= kTop ? make(level) : Texture());
@@ -110,8 +106,8 @@ void ChartPyramid::push() {
   if (charts_ == 0) return;
   const int tip = tables_.tip_level();
   glUseProgram(push_tip_.id());
-  for (int level = std::max(tip - 1, kTop); level >= kTop; --level) {
-    const int coarser = std::min(level + 1, tip);
+  for (int level = tip - 1; level >= kTop; --level) {
+    const int coarser = level + 1;
     if (level == kTop) {
       glUseProgram(push_last_.id());
       glBindTextureUnit(2, pages_.level(kTop).view.id());

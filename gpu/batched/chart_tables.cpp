@@ -32,7 +32,7 @@ ChartTables::ChartTables(const ChartLayout& layout, const ChartGeometry& geometr
   std::vector<PatchOnGpu> patches;
   for (const ChartGeometry::Patch& patch : geometry.patches()) {
     const ChartGroup& group = layout.groups[patch.chart];
-    const int columns = (group.size.x + kPatchTexels - 1) / kPatchTexels;
+    const int columns = patch_grid(group.size).x;
     patches.push_back(
         {glm::vec4(glm::vec3(patch.centre - geometry.part_centre(patch.part)), static_cast<float>(patch.radius)),
          glm::ivec4(patch.origin, patch.size), glm::ivec4(group.page, patch.chart, patch.part, columns),
@@ -61,7 +61,8 @@ void ChartTables::lay_out_tip(const ChartLayout& layout) {
     sizes.push_back(group.size / 16);
     largest = std::max({largest, sizes.back().x, sizes.back().y});
   }
-  while (largest > 1) {
+  // One level more than the pages have at the least, so that all tips lie in one texture.
+  do {
     largest = (largest + 1) / 2;
     ++tip_level_;
     // Rows of charts side by side; there is no need to be tight.
@@ -79,7 +80,7 @@ void ChartTables::lay_out_tip(const ChartLayout& layout) {
       used = glm::max(used, glm::ivec2(cursor.x, cursor.y + row_height));
     }
     tip_sizes_.push_back(used);
-  }
+  } while (largest > 1);
   tip_rects_ = constant_buffer(rects);
 }
 

@@ -14,7 +14,7 @@ class ChartTables {
  public:
   ChartTables(const ChartLayout& layout, const ChartGeometry& geometry);
 
-  /// The level at which every chart is a single texel: 4 or more.
+  /// The level at which every chart is a single texel: 5 or more.
   [[nodiscard]] int tip_level() const { return tip_level_; }
   /// Texels of the texture that holds all charts at a level above 4.
   [[nodiscard]] glm::ivec2 tip_size(int level) const { return tip_sizes_[static_cast<std::size_t>(level - 5)]; }

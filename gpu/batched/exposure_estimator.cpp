@@ -63,7 +63,7 @@ std::vector<SampleOnGpu> choose_samples(const PolygonModel& model, const ChartLa
         if (!is_inside(corners, centre)) continue;
         const glm::ivec2 in_chart = glm::ivec2(x, y) * kTexel - chart.origin;
         const glm::ivec2 cell = in_chart / kPatchTexels, block = in_chart % kPatchTexels / kBlock;
-        const int columns = (chart.size.x + kPatchTexels - 1) / kPatchTexels;
+        const int columns = patch_grid(chart.size).x;
         const std::size_t slot =
             (geometry.patches_of(chart.group).first + static_cast<std::size_t>(cell.y * columns + cell.x)) *
                 kSamplesPerPatch +
@@ -97,7 +97,7 @@ ExposureEstimator::ExposureEstimator(const PolygonModel& model, const ChartLayou
       samples_(GlBuffer::create()),
       counts_(GlBuffer::create()),
       references_(GlBuffer::create()),
-      linear_(GlSampler::create()) {
+      linear_(make_clamped_sampler()) {
   const std::vector<SampleOnGpu> samples = choose_samples(model, layout, geometry);
   glNamedBufferStorage(samples_.id(),
                        static_cast<GLsizeiptr>(std::max<std::size_t>(samples.size(), 1) * sizeof(SampleOnGpu)),
@@ -108,10 +108,6 @@ ExposureEstimator::ExposureEstimator(const PolygonModel& model, const ChartLayou
                        static_cast<GLsizeiptr>(std::max<std::size_t>(samples.size(), 1) * 4 * sizeof(float)), nullptr,
                        0);
   clear();
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 void ExposureEstimator::clear() {

@@ -20,15 +20,11 @@ Gatherer::Gatherer(const ChartGeometry& geometry, const ChartLayout& layout)
       footprint_(make_program("batched_gather.vert.glsl", "batched_gather.frag.glsl",
                               (std::string(layer_defines()) + "#define FOOTPRINT\n").c_str())),
       index_buffer_(GlBuffer::create()),
-      linear_(GlSampler::create()) {
+      linear_(make_clamped_sampler()) {
   glNamedBufferStorage(
       index_buffer_.id(),
       static_cast<GLsizeiptr>(std::max<std::size_t>(geometry.chart_indices().size(), 1) * sizeof(std::uint32_t)),
       nullptr, GL_DYNAMIC_STORAGE_BIT);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glSamplerParameteri(linear_.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera,

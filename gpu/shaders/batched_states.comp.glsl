@@ -11,6 +11,6 @@ void main() {
   if (gl_GlobalInvocationID.x >= members.length()) return;
   uvec2 member = members[gl_GlobalInvocationID.x];
   ivec4 rect = tip_rect(tip_level, member.y);
-  vec4 mean = texelFetch(tip, ivec3(rect.xy, tip_level == 4 ? charts[member.y].place.x : 0), 0);
+  vec4 mean = texelFetch(tip, ivec3(rect.xy, 0), 0);
   if (mean.a > 0.0) states[member.x] = vec4(mean.rgb, 1.0);
 }

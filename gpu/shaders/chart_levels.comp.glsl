@@ -7,19 +7,14 @@ layout(binding = 0, rgba8) writeonly uniform image2DArray level1;
 layout(binding = 1, rgba8) writeonly uniform image2DArray level2;
 layout(binding = 2, rgba8) writeonly uniform image2DArray level3;
 layout(binding = 3, rgba8) writeonly uniform image2DArray level4;
-// Bits 0-9 column, 10-19 row (in blocks), 20-31 page.
-layout(binding = 0, std430) readonly buffer Blocks { uint blocks[]; };
-layout(location = 0) uniform uint first_block;
-layout(location = 1) uniform uint block_count;
+#include "chart_blocks.glsl"
 
 shared vec4 means[4][4];
 
 void main() {
-  uint index = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-  if (index >= block_count) return;
-  uint packed_block = blocks[first_block + index];
-  ivec2 block = ivec2(packed_block & 1023u, (packed_block >> 10) & 1023u);
-  int page = int(packed_block >> 20);
+  ivec2 block;
+  int page;
+  if (!find_block(block, page)) return;
   ivec2 cell = ivec2(gl_LocalInvocationID.xy);
 
   vec4 mean2 = vec4(0);
