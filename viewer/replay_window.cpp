@@ -23,6 +23,45 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+std::vector<ReplayControl::Key> take_keys(Window& window) {
+  using Key = ReplayControl::Key;
+  std::vector<Key> keys;
+  for (const Window::Key& pressed : window.take_keys()) {
+    switch (action_of(pressed.chord, pressed.repeated).value_or(ViewerAction::toggle_help)) {
+      case ViewerAction::next_view:
+        keys.push_back(Key::tab);
+        break;
+      case ViewerAction::toggle_edges:
+        keys.push_back(Key::m);
+        break;
+      case ViewerAction::toggle_holes:
+        keys.push_back(Key::h);
+        break;
+      case ViewerAction::toggle_wireframe:
+        keys.push_back(Key::w);
+        break;
+      case ViewerAction::save_picture:
+        keys.push_back(Key::s);
+        break;
+      case ViewerAction::pause:
+        keys.push_back(Key::space);
+        break;
+      case ViewerAction::quit:
+        keys.push_back(Key::q);
+        break;
+      case ViewerAction::step_back:
+        keys.push_back(Key::left);
+        break;
+      case ViewerAction::step_forward:
+        keys.push_back(Key::right);
+        break;
+      default:
+        break;
+    }
+  }
+  return keys;
+}
+
 /// The user left while pictures were being extracted.
 struct Left {};
 
@@ -80,7 +119,7 @@ class WindowReplay {
 
   void press_keys() {
     std::vector<ReplayControl::Key> keys = std::exchange(waiting_keys_, {});
-    for (const ReplayControl::Key key : window_.take_keys()) keys.push_back(key);
+    for (const ReplayControl::Key key : take_keys(window_)) keys.push_back(key);
     for (std::size_t i = 0; i < keys.size(); ++i) {
       control_.press(keys[i]);
       if (keys[i] != ReplayControl::Key::s) continue;
@@ -106,7 +145,7 @@ class WindowReplay {
       }
       window_.poll_events();
       // Keys that change what is shown wait for the textures that are being made.
-      for (const ReplayControl::Key key : window_.take_keys()) {
+      for (const ReplayControl::Key key : take_keys(window_)) {
         if (key == ReplayControl::Key::q || key == ReplayControl::Key::escape) throw Left();
         waiting_keys_.push_back(key);
       }

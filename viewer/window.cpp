@@ -5,8 +5,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
-#include <array>
-#include <optional>
+#include <cctype>
 #include <utility>
 
 #include "foreview/gpu/offscreen_context.h"
@@ -24,40 +23,45 @@ std::string glfw_error() {
   return text != nullptr ? text : "unknown reason";
 }
 
-using Key = ReplayControl::Key;
-
-std::optional<Key> special_key(int key) {
+int special_key(int key) {
   switch (key) {
     case GLFW_KEY_TAB:
-      return Key::tab;
+      return KeyChord::tab;
     case GLFW_KEY_SPACE:
-      return Key::space;
+      return KeyChord::space;
     case GLFW_KEY_ESCAPE:
-      return Key::escape;
+      return KeyChord::escape;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return KeyChord::enter;
     case GLFW_KEY_LEFT:
-      return Key::left;
+      return KeyChord::left;
     case GLFW_KEY_RIGHT:
-      return Key::right;
+      return KeyChord::right;
+    case GLFW_KEY_UP:
+      return KeyChord::up;
+    case GLFW_KEY_DOWN:
+      return KeyChord::down;
+    case GLFW_KEY_HOME:
+      return KeyChord::home;
+    case GLFW_KEY_END:
+      return KeyChord::end;
+    case GLFW_KEY_PAGE_UP:
+      return KeyChord::page_up;
+    case GLFW_KEY_PAGE_DOWN:
+      return KeyChord::page_down;
     default:
-      return std::nullopt;
+      return key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12 ? KeyChord::f1 + key - GLFW_KEY_F1 : 0;
   }
 }
 
-std::optional<Key> letter_key(char letter) {
-  switch (letter) {
-    case 'm':
-      return Key::m;
-    case 'h':
-      return Key::h;
-    case 'w':
-      return Key::w;
-    case 's':
-      return Key::s;
-    case 'q':
-      return Key::q;
-    default:
-      return std::nullopt;
-  }
+/// The character on the key; where that is none of ASCII's (brackets on many layouts), what an American keyboard has
+/// there.
+int printable_key(int key, int scancode) {
+  const char* name = glfwGetKeyName(key, scancode);
+  const bool ascii = name != nullptr && name[0] > ' ' && name[0] <= '~' && name[1] == '\0';
+  if (ascii) return std::tolower(static_cast<unsigned char>(name[0]));
+  return key > ' ' && key <= '~' ? std::tolower(key) : 0;
 }
 
 void limit_to_monitor(int& width, int& height) {
@@ -98,8 +102,8 @@ Window::Window(const std::string& title, int width, int height) : title_(title) 
   if (debug != GlDebug::off) install_debug_callback(debug == GlDebug::fatal);
   set_up_context_state();
   glfwSetWindowUserPointer(window_, this);
-  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int) {
-    static_cast<Window*>(glfwGetWindowUserPointer(window))->on_key(key, scancode, action);
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->on_key(key, scancode, action, modifiers);
   });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int new_width, int new_height) {
     auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
@@ -114,15 +118,15 @@ Window::~Window() {
   glfwTerminate();
 }
 
-void Window::on_key(int key, int scancode, int action) {
-  std::optional<Key> known = special_key(key);
-  const bool steps = known == Key::left || known == Key::right;
-  if (action == GLFW_RELEASE || (action == GLFW_REPEAT && !steps)) return;
-  if (!known) {
-    const char* name = glfwGetKeyName(key, scancode);
-    if (name != nullptr && name[0] != '\0' && name[1] == '\0') known = letter_key(name[0]);
-  }
-  if (known) keys_.push_back(*known);
+void Window::on_key(int key, int scancode, int action, int modifiers) {
+  if (action == GLFW_RELEASE) return;
+  KeyChord chord;
+  chord.key = special_key(key);
+  if (chord.key == 0) chord.key = printable_key(key, scancode);
+  if (chord.key == 0) return;
+  chord.shift = (modifiers & GLFW_MOD_SHIFT) != 0;
+  chord.control = (modifiers & GLFW_MOD_CONTROL) != 0;
+  keys_.push_back({chord, action == GLFW_REPEAT});
 }
 
 void Window::poll_events(double wait_seconds) {
@@ -133,7 +137,7 @@ void Window::poll_events(double wait_seconds) {
   }
 }
 
-std::vector<Key> Window::take_keys() {
+std::vector<Window::Key> Window::take_keys() {
   return std::exchange(keys_, {});
 }
 

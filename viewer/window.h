@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "foreview/viewer/replay_control.h"
+#include "foreview/viewer/key_map.h"
 
 struct GLFWwindow;
 
@@ -23,8 +23,12 @@ class Window {
 
   /// Takes in what has happened; `wait_seconds` > 0 waits that long for something to happen.
   void poll_events(double wait_seconds = 0);
-  /// Keys pressed since the last call, in order. Letters are those on the keys, whatever the keyboard's layout.
-  [[nodiscard]] std::vector<ReplayControl::Key> take_keys();
+  struct Key {
+    KeyChord chord;
+    bool repeated = false;  ///< it is being held down
+  };
+  /// Keys pressed since the last call, in order.
+  [[nodiscard]] std::vector<Key> take_keys();
   [[nodiscard]] bool close_requested() const;
   /// As the constructor's width and height.
   void resize(int width, int height);
@@ -36,12 +40,12 @@ class Window {
   void present(GLuint framebuffer, int frame_width, int frame_height);
 
  private:
-  void on_key(int key, int scancode, int action);
+  void on_key(int key, int scancode, int action, int modifiers);
 
   GLFWwindow* window_ = nullptr;
   int width_ = 0, height_ = 0;
   std::string title_;
-  std::vector<ReplayControl::Key> keys_;
+  std::vector<Key> keys_;
 };
 
 }  // namespace foreview
