@@ -41,11 +41,12 @@ constexpr const char* kExamples =
     "  foreview replay workcell --delay 500ms\n"
     "  foreview replay my-recording --headless --out pictures --view both --every 10";
 
-DisplayMode parse_mode(const std::string& text) {
-  for (const DisplayMode mode : {DisplayMode::predicted, DisplayMode::delayed, DisplayMode::both}) {
-    if (text == to_string(mode)) return mode;
+ViewMode parse_mode(const std::string& text) {
+  const std::optional<ViewMode> mode = parse_view_mode(text);
+  if (!mode) {
+    throw InputError("--view", "\"" + text + "\" is not known; expected predicted, delayed, both, split or difference");
   }
-  throw InputError("--view", "\"" + text + "\" is not known; expected predicted, delayed or both");
+  return *mode;
 }
 
 void check(const ReplayCommand& command) {
@@ -138,9 +139,10 @@ void add_replay_command(CLI::App& app) {
   replay->add_flag("--loop", session.loop, "Begin anew at the end");
   replay->add_option("--view", command->view, "predicted, delayed or both, to begin with (default: predicted)")
       ->type_name("VIEW");
-  replay->add_flag("--edges", session.choice.model_edges, "Begin with the model's edges over the delayed picture (M)");
-  replay->add_flag("--holes", session.choice.holes_pink, "Begin with holes in pink (H)");
-  replay->add_flag("--wireframe", session.choice.wireframe, "Begin with the wireframe (W)");
+  replay->add_flag("--edges", session.choice.overlays.edges,
+                   "Begin with the model's edges over the delayed picture (M)");
+  replay->add_flag("--holes", session.choice.overlays.holes, "Begin with holes in pink (H)");
+  replay->add_flag("--wireframe", session.choice.overlays.wireframe, "Begin with the wireframe (W)");
   replay->add_flag("--headless", command->headless, "No window: write DIR/VIEW/PICTURE.png for every picture's time");
   replay->add_option("--out", session.out, "Where pictures go (default for S: where you are)")->type_name("DIR");
   replay->add_option("--every", session.every, "Headless: only every Nth picture's time (default: 1)")->type_name("N");

@@ -7,38 +7,32 @@
 #include <utility>
 
 namespace foreview {
+namespace {
 
-const char* to_string(DisplayMode mode) {
-  switch (mode) {
-    case DisplayMode::predicted:
-      return "predicted";
-    case DisplayMode::delayed:
-      return "delayed";
-    case DisplayMode::both:
-      return "both";
-  }
-  return "";
+ViewMode next_mode(ViewMode mode) {
+  const auto* const at = std::find(kViewModes.begin(), kViewModes.end(), mode);
+  return at + 1 < kViewModes.end() ? *(at + 1) : kViewModes.front();
 }
+
+}  // namespace
 
 ReplayControl::ReplayControl(Options options) : options_(std::move(options)), time_(options_.first) {}
 
 void ReplayControl::press(Key key) {
-  DisplayChoice& choice = options_.choice;
+  ViewChoice& choice = options_.choice;
   switch (key) {
     case Key::tab:
-      choice.mode = choice.mode == DisplayMode::predicted ? DisplayMode::delayed
-                    : choice.mode == DisplayMode::delayed ? DisplayMode::both
-                                                          : DisplayMode::predicted;
+      choice.mode = next_mode(choice.mode);
       break;
     case Key::m:
-      choice.model_edges = !choice.model_edges;
-      if (choice.model_edges && choice.mode == DisplayMode::predicted) choice.mode = DisplayMode::delayed;
+      choice.overlays.edges = !choice.overlays.edges;
+      if (choice.overlays.edges && !shows_delayed(choice.mode)) choice.mode = ViewMode::delayed;
       break;
     case Key::h:
-      choice.holes_pink = !choice.holes_pink;
+      choice.overlays.holes = !choice.overlays.holes;
       break;
     case Key::w:
-      choice.wireframe = !choice.wireframe;
+      choice.overlays.wireframe = !choice.overlays.wireframe;
       break;
     case Key::s:
       save_requested_ = true;

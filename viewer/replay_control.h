@@ -3,20 +3,9 @@
 #include <vector>
 
 #include "foreview/scene/timestamp.h"
+#include "foreview/viewer/view_choice.h"
 
 namespace foreview {
-
-enum class DisplayMode { predicted, delayed, both };
-[[nodiscard]] const char* to_string(DisplayMode mode);
-
-/// What is drawn of a display instant.
-struct DisplayChoice {
-  DisplayMode mode = DisplayMode::predicted;
-  bool model_edges = false;  ///< the model's edges over the delayed picture
-  bool holes_pink = false;
-  bool wireframe = false;  ///< polygon edges over the predicted view
-  bool operator==(const DisplayChoice&) const = default;
-};
 
 /// The replay window's state: what its keys do and how its time goes on. Pure logic: no clock, no window, no GL.
 class ReplayControl {
@@ -28,7 +17,7 @@ class ReplayControl {
     Duration delay;
     double speed = 1;  ///< recorded seconds per second
     bool loop = false;
-    DisplayChoice choice;
+    ViewChoice choice;
     std::vector<Timestamp> steps;     ///< where left and right stop: the operator's camera's pictures, ascending
     std::vector<Timestamp> captures;  ///< of all cameras' pictures, ascending, each instant once
   };
@@ -45,7 +34,7 @@ class ReplayControl {
   void tick(Duration elapsed);
 
   [[nodiscard]] Timestamp time() const { return time_; }
-  [[nodiscard]] const DisplayChoice& choice() const { return options_.choice; }
+  [[nodiscard]] const ViewChoice& choice() const { return options_.choice; }
   [[nodiscard]] bool paused() const { return paused_; }
   [[nodiscard]] bool at_end() const { return !options_.loop && time_ >= options_.last; }
   [[nodiscard]] bool quit() const { return quit_; }

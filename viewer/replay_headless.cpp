@@ -6,6 +6,7 @@
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/progress.h"
+#include "foreview/viewer/replay_frames.h"
 #include "foreview/viewer/replay_session.h"
 
 namespace foreview {
@@ -38,7 +39,9 @@ ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& op
   const std::vector<ReplayInstant> instants = replay_instants(replayer);
   const auto& pictures = replayer.recording().cameras()[replayer.camera()].pictures;
   const std::filesystem::path directory = options.out / to_string(options.choice.mode);
-  FrameComposer composer(replayer, options.near_plane);
+  const Recording::Camera& camera = replayer.recording().cameras()[replayer.camera()];
+  FrameComposer composer(replayer.view(), camera.model, options.near_plane);
+  ReplayFrames frames(replayer, options.delay);
   ReplaySummary summary;
   if (!instants.empty()) catch_up(replayer, instants.front().stamp);
   ProgressBar progress("replay", instants.size());
@@ -51,7 +54,7 @@ ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& op
       ++summary.instants_without_state;
       continue;
     }
-    composer.compose(t, options.choice, composer.native_size(options.choice.mode));
+    composer.compose(frames.at(t, options.choice), options.choice, composer.native_size(options.choice.mode));
     write_png(directory / (pictures[instants[i].index].stem + ".png"), composer.read());
     ++summary.pictures_written;
     progress.update(i + 1);

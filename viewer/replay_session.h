@@ -16,7 +16,7 @@ struct ReplaySessionOptions {
   double near_plane = 0.02;  ///< metres
   double speed = 1;          ///< window: recorded seconds per second
   bool loop = false;         ///< window: begin anew at the end
-  DisplayChoice choice;
+  ViewChoice choice;
   std::filesystem::path out;  ///< where pictures go
   std::size_t every = 1;      ///< headless: only every Nth picture's instant
 };

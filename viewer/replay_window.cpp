@@ -10,6 +10,7 @@
 #include "foreview/viewer/frame_composer.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/picture_output.h"
+#include "foreview/viewer/replay_frames.h"
 #include "foreview/viewer/replay_session.h"
 #include "foreview/viewer/window.h"
 
@@ -72,7 +73,8 @@ class WindowReplay {
         window_(window),
         options_(options),
         control_(control_options(replayer, options)),
-        composer_(replayer, options.near_plane),
+        composer_(replayer.view(), replayer.recording().cameras()[replayer.camera()].model, options.near_plane),
+        replay_frames_(replayer, options.delay),
         name_(replayer.recording().name()) {}
 
   ReplaySummary run() {
@@ -155,12 +157,12 @@ class WindowReplay {
 
   bool draw_if_changed() {
     if (window_.width() < 1 || window_.height() < 1) return false;  // minimised
-    const DisplayChoice& choice = control_.choice();
+    const ViewChoice& choice = control_.choice();
     const Drawn wanted{control_.time(), choice, window_.width(), window_.height()};
     const bool changed = !shown_ || wanted != *shown_;
     if (changed) {
       shown_size_ = composer_.fitting_size(choice.mode, window_.width(), window_.height());
-      composer_.compose(control_.time(), choice, shown_size_);
+      composer_.compose(replay_frames_.at(control_.time(), choice), choice, shown_size_);
       shown_ = wanted;
     }
     // Shown again even if nothing changed: the window's system may have lost what was there.
@@ -169,8 +171,8 @@ class WindowReplay {
   }
 
   void save() {
-    const DisplayChoice& choice = control_.choice();
-    composer_.compose(control_.time(), choice, composer_.native_size(choice.mode));
+    const ViewChoice& choice = control_.choice();
+    composer_.compose(replay_frames_.at(control_.time(), choice), choice, composer_.native_size(choice.mode));
     shown_.reset();  // the composer holds another frame now
     char time[32];
     std::snprintf(time, sizeof time, "%.3fs",
@@ -198,7 +200,7 @@ class WindowReplay {
 
   struct Drawn {
     Timestamp time;
-    DisplayChoice choice;
+    ViewChoice choice;
     int width = 0, height = 0;
     bool operator==(const Drawn&) const = default;
   };
@@ -208,6 +210,7 @@ class WindowReplay {
   const ReplaySessionOptions& options_;
   ReplayControl control_;
   FrameComposer composer_;
+  ReplayFrames replay_frames_;
   std::string name_;
   ReplaySummary summary_;
   std::vector<ReplayControl::Key> waiting_keys_;

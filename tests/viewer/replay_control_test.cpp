@@ -29,44 +29,48 @@ ReplayControl::Options options() {
 
 TEST(ReplayControlKeys, TabGoesThroughTheModes) {
   ReplayControl control(options());
-  EXPECT_EQ(control.choice().mode, DisplayMode::predicted);
+  EXPECT_EQ(control.choice().mode, ViewMode::predicted);
   control.press(Key::tab);
-  EXPECT_EQ(control.choice().mode, DisplayMode::delayed);
+  EXPECT_EQ(control.choice().mode, ViewMode::delayed);
   control.press(Key::tab);
-  EXPECT_EQ(control.choice().mode, DisplayMode::both);
+  EXPECT_EQ(control.choice().mode, ViewMode::side_by_side);
   control.press(Key::tab);
-  EXPECT_EQ(control.choice().mode, DisplayMode::predicted);
+  EXPECT_EQ(control.choice().mode, ViewMode::split);
+  control.press(Key::tab);
+  EXPECT_EQ(control.choice().mode, ViewMode::difference);
+  control.press(Key::tab);
+  EXPECT_EQ(control.choice().mode, ViewMode::predicted);
 }
 
 TEST(ReplayControlKeys, OverlaysToggle) {
   ReplayControl control(options());
   control.press(Key::h);
   control.press(Key::w);
-  EXPECT_TRUE(control.choice().holes_pink);
-  EXPECT_TRUE(control.choice().wireframe);
-  EXPECT_FALSE(control.choice().model_edges);
+  EXPECT_TRUE(control.choice().overlays.holes);
+  EXPECT_TRUE(control.choice().overlays.wireframe);
+  EXPECT_FALSE(control.choice().overlays.edges);
   control.press(Key::h);
   control.press(Key::w);
-  EXPECT_FALSE(control.choice().holes_pink);
-  EXPECT_FALSE(control.choice().wireframe);
+  EXPECT_FALSE(control.choice().overlays.holes);
+  EXPECT_FALSE(control.choice().overlays.wireframe);
 }
 
 TEST(ReplayControlKeys, MBringsTheDelayedPictureUp) {
   ReplayControl control(options());
   control.press(Key::m);
-  EXPECT_TRUE(control.choice().model_edges);
-  EXPECT_EQ(control.choice().mode, DisplayMode::delayed);
+  EXPECT_TRUE(control.choice().overlays.edges);
+  EXPECT_EQ(control.choice().mode, ViewMode::delayed);
   control.press(Key::m);
-  EXPECT_FALSE(control.choice().model_edges);
-  EXPECT_EQ(control.choice().mode, DisplayMode::delayed);
+  EXPECT_FALSE(control.choice().overlays.edges);
+  EXPECT_EQ(control.choice().mode, ViewMode::delayed);
 }
 
 TEST(ReplayControlKeys, MLeavesAModeThatShowsTheDelayedPicture) {
   ReplayControl::Options both = options();
-  both.choice.mode = DisplayMode::both;
+  both.choice.mode = ViewMode::side_by_side;
   ReplayControl control(both);
   control.press(Key::m);
-  EXPECT_EQ(control.choice().mode, DisplayMode::both);
+  EXPECT_EQ(control.choice().mode, ViewMode::side_by_side);
 }
 
 TEST(ReplayControlKeys, SaveIsAskedForOnce) {
