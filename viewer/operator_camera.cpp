@@ -78,7 +78,7 @@ Pose OperatorCamera::mode_pose() const {
 Pose OperatorCamera::pose() const {
   if (transition_left_ <= 0) return mode_pose();
   const double done = 1 - transition_left_ / kTransition;
-  return interpolate(transition_from_, mode_pose(), done * done * (3 - 2 * done));
+  return mode_pose() * interpolate(transition_offset_, Pose(), done * done * (3 - 2 * done));
 }
 
 /// Free, from here. The pivot lies ahead, about as far as the scene does.
@@ -89,23 +89,18 @@ void OperatorCamera::place(const Pose& pose) {
   pivot_ = pose.translation + rotation_ * pivot_in_camera_;
 }
 
-void OperatorCamera::begin_transition() {
-  transition_from_ = pose();
-  transition_left_ = kTransition;
-}
-
 void OperatorCamera::set_mode(CameraMode mode) {
   const bool again = mode == mode_;
-  begin_transition();
+  const Pose before = pose();
   orbit_left_ = look_left_ = pan_left_ = glm::dvec2(0);
   dolly_left_ = roll_left_ = 0;
   velocity_ = wanted_velocity_ = glm::dvec3(0);
   turn_ = glm::dvec2(0);
   mode_ = mode;
   if (mode == CameraMode::overview) place(overview_pose(recorded_, field_of_view_));
-  if (mode != CameraMode::free) return;
-  place(again ? recorded_ : transition_from_);
-  if (!again) transition_left_ = 0;
+  if (mode == CameraMode::free) place(again ? recorded_ : before);
+  transition_offset_ = mode_pose().inverse() * before;
+  transition_left_ = kTransition;
 }
 
 void OperatorCamera::advance(double seconds, const Pose& recorded) {

@@ -89,7 +89,6 @@ class OperatorCamera {
   void set_field_of_view(double radians) { field_of_view_ = radians; }
 
  private:
-  void begin_transition();
   void place(const Pose& pose);
   void take_up(double seconds);
   [[nodiscard]] Pose mode_pose() const;
@@ -109,7 +108,7 @@ class OperatorCamera {
   double roll_left_ = 0;
   glm::dvec3 velocity_{0}, wanted_velocity_{0};  ///< camera frame
   // Since a change of mode.
-  Pose transition_from_;
+  Pose transition_offset_;      ///< mode's pose to what was shown, so that a followed camera is not lagged behind
   double transition_left_ = 0;  ///< seconds
 };
 
