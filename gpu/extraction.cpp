@@ -1,7 +1,10 @@
 #include "foreview/gpu/extraction.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "foreview/gpu/batched/batched_extraction.h"
 #include "foreview/gpu/per_polygon/per_polygon_extraction.h"
@@ -48,6 +51,37 @@ ExtractionStatistics& ExtractionStatistics::operator+=(const ExtractionStatistic
   return *this;
 }
 
+std::span<const SliceKind> ExtractionPipeline::slice_kinds() const {
+  static constexpr std::array<SliceKind, 1> kKinds{{{"picture", ExtractionStep::other, 0, 800, "pictures"}}};
+  return kKinds;
+}
+
+void ExtractionPipeline::begin(CameraFrame frame) {
+  assert(!is_busy());
+  whole_picture_ = std::move(frame);
+}
+
+bool ExtractionPipeline::is_busy() const {
+  return whole_picture_.has_value();
+}
+
+std::optional<ExtractionSlice> ExtractionPipeline::pending_slice() {
+  if (!whole_picture_) return std::nullopt;
+  return ExtractionSlice{0, 1, 1};
+}
+
+double ExtractionPipeline::run_slice(double /*size*/) {
+  assert(is_busy());
+  const CameraFrame frame = std::move(*whole_picture_);
+  whole_picture_.reset();
+  whole_picture_statistics_ = extract(frame);
+  return 1;
+}
+
+const ExtractionStatistics& ExtractionPipeline::statistics() const {
+  return whole_picture_statistics_;
+}
+
 std::unique_ptr<ExtractionPipeline> make_extraction_pipeline(PipelineKind kind, TextureStore& store,
                                                              const ChartOptions& charts,
                                                              const ExtractionOptions& options) {
@@ -70,9 +104,13 @@ bool is_finite(const Pose& pose) {
 
 }  // namespace
 
+std::string name_of(const CameraFrame& frame) {
+  return "picture at " + frame.state.stamp.to_string() + " s";
+}
+
 void check_frame(const CameraFrame& frame, const PolygonModel& model) {
   const CameraModel& camera = frame.camera;
-  const std::string where = "picture at " + frame.state.stamp.to_string() + " s";
+  const std::string where = name_of(frame);
   if (!(camera.focal_length.x > 0 && camera.focal_length.y > 0) ||
       !std::isfinite(camera.focal_length.x + camera.focal_length.y + camera.principal_point.x +
                      camera.principal_point.y)) {

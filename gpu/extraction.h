@@ -2,6 +2,8 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,9 +84,41 @@ struct ExtractionStatistics {
   ExtractionStatistics& operator+=(const ExtractionStatistics& other);
 };
 
-/// Turns delayed pictures into textures of the store's charts. One picture at a time; after extract() returns, all its
-/// GL commands are issued and the store shows either all of the picture's textures or none. A GL context that shares
-/// with the store's must be current.
+/// A kind of slices, and a first guess of what one costs on a software rasteriser (two cores): constant_ms +
+/// per_unit_ms * size. What it costs here must be learnt (FrameSchedule does).
+struct SliceKind {
+  const char* name = "";
+  ExtractionStep step = ExtractionStep::other;  ///< that its time belongs to
+  double constant_ms = 0, per_unit_ms = 0;
+  const char* unit = "";  ///< of sizes, such as "megapixels"
+};
+
+/// The work that is due next on a picture.
+struct ExtractionSlice {
+  std::size_t kind = 0;  ///< index into slice_kinds()
+  double size = 0;       ///< all that is left of this step, in the kind's unit; more than 0
+  double least = 0;      ///< the smallest piece of it that can be run; at most `size`
+};
+
+/// Turns delayed pictures into textures of the store's charts. One picture at a time, in one of two ways:
+///
+/// *At once*: after extract() returns, all its GL commands are issued.
+///
+/// *In slices*, between which the GPU is free for others (spec 10: the display's frames):
+/// @code
+///   pipeline.begin(frame);
+///   while (pipeline.is_busy()) {
+///     if (const auto slice = pipeline.pending_slice()) {
+///       pipeline.run_slice(how much of it fits in now);
+///       wait until the GPU has done it;
+///     } else {
+///       do something else: the textures to write into are still being displayed
+///     }
+///   }
+/// @endcode
+/// Both give the same textures, bit by bit, however a picture was cut. Either way the store shows all of a picture's
+/// textures or none. A GL context that shares with the store's must be current; between slices others may be, and this
+/// one's state may be changed.
 class ExtractionPipeline {
  public:
   virtual ~ExtractionPipeline() = default;
@@ -93,15 +127,46 @@ class ExtractionPipeline {
   ExtractionPipeline& operator=(const ExtractionPipeline&) = delete;
   /// Fuses the frame's picture. Newest wins by capture stamp: a frame older than what a polygon's texture already holds
   /// only fills what is not valid there.
+  /// Not while is_busy().
   virtual ExtractionStatistics extract(const CameraFrame& frame) = 0;
-  /// Forgets all that has been seen.
+
+  /// Fixed for life. By default there is one kind, a whole picture.
+  [[nodiscard]] virtual std::span<const SliceKind> slice_kinds() const;
+  /// Takes a picture in, to be extracted in slices; the rules are extract()'s. Next to nothing is issued to the GPU.
+  /// Throws as extract() does, and then nothing is begun. Not while is_busy(). Whoever passes a picture on to others
+  /// clones it: it must not change before the picture is finished.
+  virtual void begin(CameraFrame frame);
+  /// Whether a picture was begun, and neither finished nor abandoned.
+  [[nodiscard]] virtual bool is_busy() const;
+  /// What is due next. None if no picture is_busy(), or if it cannot go on just now, because the display still reads
+  /// the textures that the picture would be written into (see TextureStore::begin_picture()): then ask again later.
+  /// Never waits. What run_slice() was given last must have been done by the GPU.
+  [[nodiscard]] virtual std::optional<ExtractionSlice> pending_slice();
+  /// Issues a piece of the pending slice, at most `size` of it, but `least` at the least; returns the size issued. Only
+  /// if there is a pending slice. The GPU has done it when a fence behind it has passed, or after glFinish().
+  /// With the last one the picture is handed over to the store, and is_busy() ends.
+  virtual double run_slice(double size);
+  /// Of the last picture that was finished in slices. Its times are not filled in, and texels_filled and
+  /// texels_observed only as far as they are known without waiting.
+  [[nodiscard]] virtual const ExtractionStatistics& statistics() const;
+
+  /// Forgets all that has been seen. A picture that was begun is abandoned: no texture will show anything of it.
   virtual void clear() = 0;
-  /// Takes over what the store's charts hold now (after textures were loaded from a file).
+  /// Takes over what the store's charts hold now (after textures were loaded from a file). A picture that was begun is
+  /// abandoned.
   virtual void adopt_store() = 0;
   /// Fill the statistics' times; anything but `off` slows the pipeline down.
   virtual void set_timing(ExtractionTiming timing) = 0;
   /// Fill texels_observed; waits for the GPU.
   virtual void set_counting(bool on) = 0;
+
+ protected:
+  /// Of pipelines that do not cut pictures up themselves: forgets the one that was begun.
+  void abandon_whole_picture() { whole_picture_.reset(); }
+
+ private:
+  std::optional<CameraFrame> whole_picture_;
+  ExtractionStatistics whole_picture_statistics_;
 };
 
 /// `charts` are the options that the store was laid out with; the store must outlive the pipeline. Throws InputError
@@ -109,6 +174,9 @@ class ExtractionPipeline {
 [[nodiscard]] std::unique_ptr<ExtractionPipeline> make_extraction_pipeline(PipelineKind kind, TextureStore& store,
                                                                            const ChartOptions& charts,
                                                                            const ExtractionOptions& options);
+
+/// How messages name a frame: "picture at 1.5 s".
+[[nodiscard]] std::string name_of(const CameraFrame& frame);
 
 /// Throws InputError where the frame cannot be extracted from: no finite, positive focal length, poses that are not
 /// finite, another number of parts than the model's.

@@ -141,6 +141,14 @@ void TextureSets::forget_stale(Set& set) {
   set.all_stale = false;
 }
 
+bool TextureSets::has_free_set() {
+  if (publishing_ == Publishing::direct) return true;
+  Fences done;
+  const std::lock_guard lock(mutex_);
+  poll(done);
+  return find_free().has_value();
+}
+
 void TextureSets::wait_for_free_set() {
   if (publishing_ == Publishing::direct) return;
   for (;;) {

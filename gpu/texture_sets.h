@@ -58,6 +58,7 @@ class TextureSets {
   };
   /// See TextureStore::begin_picture().
   bool begin(Begin how);
+  [[nodiscard]] bool has_free_set();
   void wait_for_free_set();
   /// Ends what begin() began; `touched` are the polygons whose charts were written. `is_picture`: Shown counts it.
   void end(const std::vector<std::uint32_t>& touched, bool is_picture);

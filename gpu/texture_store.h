@@ -58,6 +58,8 @@ class TextureStore {
   /// free: the display still reads both sets that are not the newest, or extraction is two pictures ahead of the GPU.
   /// Try later, or wait_for_free_set(). Waits for nothing. With `direct`: true.
   [[nodiscard]] bool begin_picture();
+  /// Whether begin_picture() would be true now. Waits for nothing.
+  [[nodiscard]] bool has_free_set() const { return sets_->has_free_set(); }
   /// Until begin_picture() would be true: for the GPU, and a display's frames in flight, not for a display that has
   /// acquired and not yet released.
   void wait_for_free_set();

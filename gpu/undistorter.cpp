@@ -36,7 +36,7 @@ void Undistorter::make_room(int width, int height) {
   undistorted_ = make_texture_2d(GL_RGBA8, room_width_, room_height_);
 }
 
-void Undistorter::load(const cv::Mat& picture, const CameraModel& camera, const std::string& where) {
+void Undistorter::check(const cv::Mat& picture, const CameraModel& camera, const std::string& where) {
   if (picture.empty() || picture.type() != CV_8UC3) throw InputError(where, "is no picture of 8-bit BGR");
   if (picture.cols != camera.width || picture.rows != camera.height) {
     throw InputError(where, "is " + size_text(picture.cols, picture.rows) + " pixels, expected its camera's " +
@@ -48,6 +48,10 @@ void Undistorter::load(const cv::Mat& picture, const CameraModel& camera, const 
     throw InputError(where, "is " + size_text(picture.cols, picture.rows) +
                                 " pixels, the graphics driver takes at most " + std::to_string(limit) + " on a side");
   }
+}
+
+void Undistorter::load(const cv::Mat& picture, const CameraModel& camera, const std::string& where) {
+  check(picture, camera, where);
   make_room(picture.cols, picture.rows);
   width_ = picture.cols;
   height_ = picture.rows;

@@ -12,6 +12,8 @@ namespace foreview {
 class Undistorter {
  public:
   Undistorter();
+  /// Throws InputError naming `where` if load() would refuse the picture.
+  static void check(const cv::Mat& picture, const CameraModel& camera, const std::string& where);
   /// `picture`: CV_8UC3 BGR of the camera's size. Throws InputError naming `where` if it is not, or if the driver takes
   /// no texture of this size.
   void load(const cv::Mat& picture, const CameraModel& camera, const std::string& where = "picture");

@@ -127,7 +127,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   StepClock clock(s.timing, &s.timer_queries);
   check_frame(frame, s.store.model());
   const DrawTally tally_before = draw_tally();
-  s.undistorter.load(frame.picture, camera, "picture at " + frame.state.stamp.to_string() + " s");
+  s.undistorter.load(frame.picture, camera, name_of(frame));
   clock.lap(ExtractionStep::upload);
   s.store.wait_for_free_set();
   static_cast<void>(s.store.begin_picture());
@@ -195,7 +195,19 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   return statistics;
 }
 
+void BatchedExtraction::begin(CameraFrame frame) {
+  check_frame(frame, state_->store.model());
+  Undistorter::check(frame.picture, frame.camera, name_of(frame));
+  ExtractionPipeline::begin(std::move(frame));
+}
+
+std::optional<ExtractionSlice> BatchedExtraction::pending_slice() {
+  if (is_busy() && !state_->store.has_free_set()) return std::nullopt;
+  return ExtractionPipeline::pending_slice();
+}
+
 void BatchedExtraction::clear() {
+  abandon_whole_picture();
   State& s = *state_;
   s.store.clear();
   s.forget();
@@ -203,6 +215,7 @@ void BatchedExtraction::clear() {
 }
 
 void BatchedExtraction::adopt_store() {
+  abandon_whole_picture();
   State& s = *state_;
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   set_up_passes();

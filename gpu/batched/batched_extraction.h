@@ -88,6 +88,8 @@ class BatchedExtraction final : public ExtractionPipeline {
   /// colours written and no samplers bound; it may find these otherwise. Program, framebuffer, viewport, vertex array
   /// and the other bindings are left as they happen to be. No polygon is skipped for being too small.
   ExtractionStatistics extract(const CameraFrame& frame) override;
+  void begin(CameraFrame frame) override;
+  [[nodiscard]] std::optional<ExtractionSlice> pending_slice() override;
   void clear() override;
   /// Levels and fills stay as they were loaded until the next picture. Stamps are not among what is saved: the next
   /// picture overwrites whatever its age.

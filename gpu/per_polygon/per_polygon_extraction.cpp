@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "foreview/gpu/draw_tally.h"
@@ -98,7 +99,7 @@ struct PerPolygonExtraction::State {
 
 void PerPolygonExtraction::State::begin(const CameraFrame& frame, StepClock& clock) {
   check_frame(frame, store.model());
-  undistorter.load(frame.picture, frame.camera, "picture at " + frame.state.stamp.to_string() + " s");
+  undistorter.load(frame.picture, frame.camera, name_of(frame));
   clock.lap(ExtractionStep::upload);
   picture.prepare(frame.camera, frame.state, options.near_plane);
   picture.bind();
@@ -172,13 +173,26 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   return statistics;
 }
 
+void PerPolygonExtraction::begin(CameraFrame frame) {
+  check_frame(frame, state_->store.model());
+  Undistorter::check(frame.picture, frame.camera, name_of(frame));
+  ExtractionPipeline::begin(std::move(frame));
+}
+
+std::optional<ExtractionSlice> PerPolygonExtraction::pending_slice() {
+  if (is_busy() && !state_->store.has_free_set()) return std::nullopt;
+  return ExtractionPipeline::pending_slice();
+}
+
 void PerPolygonExtraction::clear() {
+  abandon_whole_picture();
   state_->textures.clear();
   std::ranges::fill(state_->newest, std::nullopt);
   state_->store.clear();
 }
 
 void PerPolygonExtraction::adopt_store() {
+  abandon_whole_picture();
   State& s = *state_;
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   for (std::uint32_t i = 0; i < s.textures.size(); ++i) s.copier.adopt(s.store, i, s.textures[i]);

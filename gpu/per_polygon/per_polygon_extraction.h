@@ -79,6 +79,8 @@ class PerPolygonExtraction final : public ExtractionPipeline {
   PerPolygonExtraction(TextureStore& store, const ChartOptions& chart_options, const ExtractionOptions& options);
   ~PerPolygonExtraction() override;
   ExtractionStatistics extract(const CameraFrame& frame) override;
+  void begin(CameraFrame frame) override;
+  [[nodiscard]] std::optional<ExtractionSlice> pending_slice() override;
   void clear() override;
   void adopt_store() override;
   void set_timing(ExtractionTiming timing) override;

@@ -192,6 +192,9 @@ class PublishingTest : public GlTest {
   OffscreenContext extraction_;
 };
 
+/// Of the batched pipeline.
+constexpr std::size_t kSlicesBeforeTheSet = 0;
+
 const std::vector<glm::ivec2> kMixedSizes{{16, 16}, {32, 16}, {16, 48}, {64, 64}, {16, 16}};
 
 TEST_F(PublishingTest, AllTexturesOfAPictureChangeAtOnce) {
@@ -445,6 +448,57 @@ TEST_F(PublishingTest, ExtractionIsNeverSoFarAheadThatNoPictureIsEverShown) {
   EXPECT_GE(shown_picture(store), 1U);
   extraction();
   store.end_picture({});
+}
+
+TEST_F(PublishingTest, PictureInSlicesPausesWhileTheDisplayReadsAllOtherSets) {
+  const PolygonModel model = rows_of_quads({5});
+  CameraFrame picture;
+  picture.camera.width = picture.camera.height = 64;
+  picture.camera.focal_length = {64, 64};
+  picture.camera.principal_point = {32, 32};
+  picture.picture = cv::Mat(64, 64, CV_8UC3, cv::Scalar(10, 100, 200));
+  picture.state.world_from_part.resize(model.parts().size());
+  picture.state.world_from_camera.translation.z = -1;
+  const BusyWork work;
+  for (const PipelineKind kind : {PipelineKind::batched, PipelineKind::per_polygon}) {
+    extraction();
+    TextureStore store(model, tight_layout(model, kMixedSizes, 128), Publishing::buffered);
+    const auto pipeline = make_extraction_pipeline(kind, store, {}, {});
+    pipeline->begin(picture);
+    // As far as it goes without a set to write into.
+    const std::size_t before_the_set = kind == PipelineKind::per_polygon ? 0 : kSlicesBeforeTheSet;
+    for (std::size_t i = 0; i < before_the_set; ++i) {
+      ASSERT_TRUE(pipeline->pending_slice());
+      static_cast<void>(pipeline->run_slice(1e9));
+      glFinish();
+    }
+    display();
+    EXPECT_EQ(store.acquire().picture, 0U);
+    publish_nothing(store);
+    glFinish();
+    display();
+    const GlFence busy = work.issue();
+    store.release();
+    EXPECT_EQ(store.acquire().picture, 1U);
+    publish_nothing(store);
+    // One set has a frame in flight, one is held, one is the newest.
+    EXPECT_FALSE(pipeline->pending_slice());
+    EXPECT_TRUE(pipeline->is_busy());
+    ASSERT_FALSE(busy.has_passed()) << "the work is too quick for this test, or pending_slice() waited for it";
+    store.wait_for_free_set();
+    extraction();
+    while (pipeline->pending_slice()) {
+      static_cast<void>(pipeline->run_slice(1e9));
+      glFinish();
+    }
+    EXPECT_FALSE(pipeline->is_busy());
+    EXPECT_EQ(store.pictures_ended(), 3U);
+    display();
+    store.release();
+    EXPECT_EQ(shown_picture(store), 3U);
+    extraction();
+  }
+  display();
 }
 
 TEST_F(PublishingTest, ClearingAndLoadingArePublishedAsAWholeToo) {
