@@ -143,7 +143,7 @@ class WindowReplay {
       if (todo > 2) {
         window_.set_title("foreview: " + name_ + " | extracting picture " + std::to_string(done) + " of " +
                           std::to_string(todo));
-        if (shown_) window_.present(composer_.framebuffer(), shown_size_.width, shown_size_.height);
+        if (shown_) present();
       }
       window_.poll_events();
       // Keys that change what is shown wait for the textures that are being made.
@@ -166,8 +166,14 @@ class WindowReplay {
       shown_ = wanted;
     }
     // Shown again even if nothing changed: the window's system may have lost what was there.
-    window_.present(composer_.framebuffer(), shown_size_.width, shown_size_.height);
+    present();
     return changed;
+  }
+
+  void present() {
+    window_.draw(composer_.framebuffer(), shown_size_.width, shown_size_.height,
+                 {0, 0, window_.width(), window_.height()});
+    window_.swap();
   }
 
   void save() {

@@ -3,13 +3,18 @@
 // GLFW must not bring OpenGL headers of its own.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#define GLFW_EXPOSE_NATIVE_EGL
+#include <GLFW/glfw3native.h>
+
+#include <dlfcn.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <utility>
 
 #include "foreview/gpu/offscreen_context.h"
-#include "foreview/scene/errors.h"
+#include "foreview/viewer/display_errors.h"
 #include "foreview/viewer/gl_debug.h"
 
 namespace foreview {
@@ -64,6 +69,13 @@ int printable_key(int key, int scancode) {
   return key > ' ' && key <= '~' ? std::tolower(key) : 0;
 }
 
+/// Xlib's Display; null with another window system. (glfw3native.h would bring all of Xlib's macros for it.)
+void* x11_display() {
+  using Function = void* (*)();
+  static const auto kFunction = reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, "glfwGetX11Display"));
+  return kFunction != nullptr ? kFunction() : nullptr;
+}
+
 void limit_to_monitor(int& width, int& height) {
   GLFWmonitor* monitor = glfwGetPrimaryMonitor();
   if (monitor == nullptr) return;
@@ -110,12 +122,31 @@ Window::Window(const std::string& title, int width, int height) : title_(title) 
     self->width_ = new_width;
     self->height_ = new_height;
   });
+  glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* window, float x_scale, float) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->content_scale_ = x_scale;
+  });
   glfwGetFramebufferSize(window_, &width_, &height_);
+  float y_scale = 1;
+  glfwGetWindowContentScale(window_, &content_scale_, &y_scale);
+  watch_display(x11_display());
 }
 
 Window::~Window() {
+  // A display server that is gone answers no more, and GLFW would ask it.
+  if (display_state() == DisplayState::server_gone) return;
   glfwDestroyWindow(window_);
   glfwTerminate();
+}
+
+void Window::check_alive() const {
+  switch (display_state()) {
+    case DisplayState::well:
+      break;
+    case DisplayState::window_gone:
+      throw WindowLost("the window was destroyed by another program");
+    case DisplayState::server_gone:
+      throw WindowLost("the display server is gone");
+  }
 }
 
 void Window::on_key(int key, int scancode, int action, int modifiers) {
@@ -130,11 +161,14 @@ void Window::on_key(int key, int scancode, int action, int modifiers) {
 }
 
 void Window::poll_events(double wait_seconds) {
+  check_alive();
   if (wait_seconds > 0) {
     glfwWaitEventsTimeout(wait_seconds);
   } else {
     glfwPollEvents();
   }
+  watch_display(x11_display());
+  check_alive();
 }
 
 std::vector<Window::Key> Window::take_keys() {
@@ -156,15 +190,80 @@ void Window::set_title(const std::string& title) {
   glfwSetWindowTitle(window_, title.c_str());
 }
 
-void Window::present(GLuint framebuffer, int frame_width, int frame_height) {
+std::bitset<kMoveKeys> Window::held_moves() const {
+  constexpr std::array kKeys{
+      std::pair{GLFW_KEY_LEFT, KeyChord::left},       std::pair{GLFW_KEY_RIGHT, KeyChord::right},
+      std::pair{GLFW_KEY_UP, KeyChord::up},           std::pair{GLFW_KEY_DOWN, KeyChord::down},
+      std::pair{GLFW_KEY_PAGE_UP, KeyChord::page_up}, std::pair{GLFW_KEY_PAGE_DOWN, KeyChord::page_down},
+  };
+  const auto down = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS; };
+  const bool shift = down(GLFW_KEY_LEFT_SHIFT) || down(GLFW_KEY_RIGHT_SHIFT);
+  const bool control = down(GLFW_KEY_LEFT_CONTROL) || down(GLFW_KEY_RIGHT_CONTROL);
+  std::bitset<kMoveKeys> moves;
+  for (const auto& [key, special] : kKeys) {
+    if (!down(key)) continue;
+    if (const auto move = move_of({special, shift, control})) moves.set(static_cast<std::size_t>(*move));
+  }
+  return moves;
+}
+
+void Window::set_full_screen(bool on) {
+  if (on == full_screen_) return;
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+  if (mode == nullptr) return;
+  full_screen_ = on;
+  Area& before = before_full_screen_;
+  if (on) {
+    glfwGetWindowPos(window_, &before.x, &before.y);
+    glfwGetWindowSize(window_, &before.width, &before.height);
+    glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+  } else {
+    glfwSetWindowMonitor(window_, nullptr, before.x, before.y, before.width, before.height, 0);
+  }
+}
+
+void Window::copy_to_clipboard(const std::string& text) {
+  glfwSetClipboardString(window_, text.c_str());
+}
+
+bool Window::minimised() const {
+  return width_ < 1 || height_ < 1 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+}
+
+int Window::refresh_rate() const {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+  return mode != nullptr ? mode->refreshRate : 0;
+}
+
+void Window::make_current() {
+  glfwMakeContextCurrent(window_);
+}
+
+void* Window::egl_display() const {
+  return glfwGetEGLDisplay();
+}
+
+void* Window::egl_context() const {
+  return glfwGetEGLContext(window_);
+}
+
+void Window::draw(GLuint framebuffer, int frame_width, int frame_height, const Area& area) {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width_, height_);
   glClearColor(0, 0, 0, 1);
   glClear(GL_COLOR_BUFFER_BIT);
-  const int x = (width_ - frame_width) / 2, y = (height_ - frame_height) / 2;
+  const int x = area.x + (area.width - frame_width) / 2;
+  const int top = height_ - area.y - (area.height - frame_height) / 2;
   // Row 0 of the frame is its top, row 0 of the window its bottom.
-  glBlitNamedFramebuffer(framebuffer, 0, 0, 0, frame_width, frame_height, x, y + frame_height, x + frame_width, y,
+  glBlitNamedFramebuffer(framebuffer, 0, 0, 0, frame_width, frame_height, x, top, x + frame_width, top - frame_height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void Window::swap() {
   glfwSwapBuffers(window_);
+  check_alive();
 }
 
 }  // namespace foreview

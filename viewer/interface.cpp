@@ -1,0 +1,126 @@
+#include "foreview/viewer/interface.h"
+
+// GLFW must not bring OpenGL headers of its own.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include "foreview/scene/errors.h"
+#include "foreview/viewer/interface_theme.h"
+#include "foreview/viewer/window.h"
+
+namespace foreview {
+
+struct Interface::State {
+  explicit State(Window& shown_in) : window(shown_in) {}
+
+  void set_scale() {
+    // Some systems count in points of several pixels each; there, fonts are made in pixels and the rest in points.
+    int points = 0, ignored = 0;
+    glfwGetWindowSize(window.handle(), &points, &ignored);
+    const float density = points > 0 && window.width() > 0
+                              ? static_cast<float>(window.width()) / static_cast<float>(points)
+                              : pixels_per_point;
+    if (window.content_scale() == scale && density == pixels_per_point) return;
+    const bool first = scale == 0;
+    scale = window.content_scale();
+    pixels_per_point = density;
+    apply_interface_theme(scale / pixels_per_point);
+    ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+    if (!first) ImGui_ImplOpenGL3_DestroyFontsTexture();
+    atlas.Clear();
+    em = load_interface_font(atlas, scale) / pixels_per_point;
+    ImGui::GetIO().FontGlobalScale = 1 / pixels_per_point;
+    if (!first) ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
+
+  Window& window;
+  float scale = 0, pixels_per_point = 1, em = 0;
+  bool entered = false;  ///< the keyboard is in the panels
+  bool entering = false;
+};
+
+Interface::Interface(Window& window) : state_(std::make_unique<State>(window)) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // panels have their places; nothing is written where the user happens to be
+  io.LogFilename = nullptr;
+  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  io.ConfigInputTextCursorBlink = false;
+  if (!ImGui_ImplGlfw_InitForOpenGL(window.handle(), true) || !ImGui_ImplOpenGL3_Init("#version 450 core")) {
+    throw GraphicsError("the panels cannot be drawn: Dear ImGui finds no OpenGL");
+  }
+  state_->set_scale();
+}
+
+Interface::~Interface() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void Interface::begin() {
+  state_->set_scale();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  const bool busy = ImGui::IsAnyItemActive() || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+  if (context.NavWindowingTarget != nullptr) state_->entered = true;  // Ctrl+Tab
+  if (state_->entered && !busy && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) {
+    state_->entered = false;
+  }
+  // Without this a click into a panel would take the keys with it.
+  if (!state_->entered && !busy && context.NavWindow != nullptr) ImGui::SetWindowFocus(nullptr);
+}
+
+void Interface::end() {
+  if (state_->entering) {
+    state_->entering = false;
+    ImGui::FocusTopMostWindowUnderOne(nullptr, nullptr);
+    if (ImGuiWindow* window = ImGui::GetCurrentContext()->NavWindow) {
+      ImGui::NavInitWindow(window, window->NavLastIds[0] == 0);
+      ImGui::GetCurrentContext()->NavDisableHighlight = false;
+      state_->entered = true;
+    }
+  }
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Interface::enter() {
+  state_->entering = true;
+}
+
+bool Interface::wants_keys() const {
+  const ImGuiIO& io = ImGui::GetIO();
+  return state_->entered || io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+}
+
+PointerState Interface::pointer() const {
+  const ImGuiIO& io = ImGui::GetIO();
+  PointerState pointer;
+  const ImVec2 scale = io.DisplayFramebufferScale;
+  pointer.position = {static_cast<double>(io.MousePos.x * scale.x), static_cast<double>(io.MousePos.y * scale.y)};
+  pointer.over_view = ImGui::IsMousePosValid() && !io.WantCaptureMouse && io.MousePos.x >= 0 && io.MousePos.y >= 0 &&
+                      io.MousePos.x < io.DisplaySize.x && io.MousePos.y < io.DisplaySize.y;
+  pointer.left = io.MouseDown[0];
+  pointer.right = io.MouseDown[1];
+  pointer.middle = io.MouseDown[2];
+  pointer.left_pressed = pointer.over_view && ImGui::IsMouseClicked(0);
+  pointer.right_pressed = pointer.over_view && ImGui::IsMouseClicked(1);
+  pointer.shift = io.KeyShift;
+  pointer.control = io.KeyCtrl;
+  pointer.wheel = pointer.over_view ? static_cast<double>(io.MouseWheel) : 0;
+  return pointer;
+}
+
+float Interface::em() const {
+  return state_->em;
+}
+
+}  // namespace foreview
