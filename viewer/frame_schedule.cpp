@@ -114,6 +114,12 @@ void FrameSchedule::set_grid(Duration period, Timestamp deadline, Timestamp now)
   aim_on_grid(deadline, now);
 }
 
+void FrameSchedule::set_slices(std::vector<Bound> slices) {
+  assert(in_flight_ != InFlight::slice);
+  options_.slices = std::move(slices);
+  slice_ratios_.assign(options_.slices.size(), LearntCost(options_.cost));
+}
+
 void FrameSchedule::aim_on_grid(Timestamp deadline, Timestamp now) {
   const std::int64_t period = options_.period.nanoseconds;
   // Nearer than half a period to the last deadline lies the same deadline, moved.

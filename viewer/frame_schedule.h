@@ -139,6 +139,8 @@ class FrameSchedule {
   /// that a frame can meet is the next. Best when a frame was just handed over; a frame that was about to start waits
   /// for it.
   void set_grid(Duration period, Timestamp deadline, Timestamp now);
+  /// From now on these kinds of slices; what others cost is forgotten. No slice may be in flight.
+  void set_slices(std::vector<Bound> slices);
 
   /// What is reckoned now for a slice, and for a frame.
   [[nodiscard]] Duration cost(const Slice& slice) const;

@@ -1,0 +1,70 @@
+#include "foreview/viewer/live_scene.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+
+#include "foreview/scene/errors.h"
+#include "foreview/viewer/display_loop.h"
+
+namespace foreview {
+
+LiveScene::LiveScene(const PolygonModel& model, const Options& options, void* display, void* context,
+                     std::function<void()> make_display_current)
+    : options_(options),
+      context_({.debug = options.debug, .share_display = display, .share_context = context}),
+      platform_(std::move(make_display_current), context_) {
+  in_extraction_context(platform_, [&] {
+    ChartOptions charts = options_.charts;
+    charts.memory_budget /= set_count(Publishing::buffered);
+    ChartLayout layout = lay_out_charts(model, charts);
+    for (const std::string& note : layout.notes) spdlog::info("textures: {}", note);
+    store_ = std::make_unique<TextureStore>(model, std::move(layout), Publishing::buffered);
+    extraction_ = make_extraction_pipeline(options_.pipeline, *store_, options_.charts, options_.extraction);
+    restart();
+  });
+}
+
+LiveScene::~LiveScene() {
+  const auto destroy = [&] {
+    extraction_.reset();
+    store_.reset();
+  };
+  try {
+    in_extraction_context(platform_, destroy);
+  } catch (const std::exception& error) {
+    spdlog::debug("{}", error.what());
+    destroy();
+  }
+}
+
+void LiveScene::replace_extraction(const ExtractionOptions& options) {
+  in_extraction_context(platform_, [&] {
+    auto made = make_extraction_pipeline(options_.pipeline, *store_, options_.charts, options);
+    // What it began would be written by two.
+    extraction_->clear();
+    made->adopt_store();
+    extraction_ = std::move(made);
+    options_.extraction = options;
+  });
+}
+
+void LiveScene::restart() {
+  extraction_->clear();
+  store_->clear();
+  if (options_.initial_textures) {
+    try {
+      load_textures(*store_, *options_.initial_textures);
+      extraction_->adopt_store();
+    } catch (const InputError& error) {
+      if (options_.initial_textures_must_fit) throw;
+      spdlog::warn("beginning without the recording's textures: {}", error.what());
+      options_.initial_textures.reset();
+      store_->clear();
+    }
+  }
+  store_->spread_to_never_seen();
+}
+
+}  // namespace foreview
