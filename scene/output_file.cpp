@@ -86,4 +86,13 @@ void LineFile::flush() {
   kept_.clear();
 }
 
+void check_output_file(const std::filesystem::path& file, const char* option) {
+  if (file.empty()) return;
+  const std::filesystem::path folder = file.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw InputError(option, "no such directory: " + folder.string());
+  }
+  if (std::filesystem::is_directory(file)) throw InputError(option, file.string() + " is a directory, expected a file");
+}
+
 }  // namespace foreview

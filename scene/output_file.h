@@ -16,6 +16,10 @@ void write_file_whole(const std::filesystem::path& file, std::initializer_list<s
 /// Moves a whole file over another, at once; where that is refused `from` is removed. Throws InputError naming `to`.
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
+/// Throws InputError naming the option that asks for the file where its directory is not there, or it is a directory
+/// itself: found out at the end, that would cost the whole run. An empty name is no file.
+void check_output_file(const std::filesystem::path& file, const char* option);
+
 /// A text file to which only whole lines are ever appended.
 class LineFile {
  public:

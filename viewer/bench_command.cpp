@@ -57,21 +57,11 @@ Publishing publishing_of(const BenchOutput& output) {
   return output.buffered ? Publishing::buffered : Publishing::direct;
 }
 
-/// Found out at the end, it would cost the whole run.
-void check_folder(const std::filesystem::path& file, const char* option) {
-  if (file.empty()) return;
-  const std::filesystem::path folder = file.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw InputError(option, "no such directory: " + folder.string());
-  }
-  if (std::filesystem::is_directory(file)) throw InputError(option, file.string() + " is a directory, expected a file");
-}
-
 /// A graphics context, a benchmark in it, and what comes of it on the terminal and in files, also after Ctrl-C.
 void run_and_report(const BenchOutput& output, BenchReport& report, const std::function<void()>& work) {
-  check_folder(output.json, "--json");
-  check_folder(output.html, "--html");
-  check_folder(output.trace, "--trace");
+  check_output_file(output.json, "--json");
+  check_output_file(output.html, "--html");
+  check_output_file(output.trace, "--trace");
   const GlDebug debug = gl_debug_from_environment();
   OffscreenContext::Options context_options;
   context_options.debug = debug != GlDebug::off;

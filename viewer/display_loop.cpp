@@ -30,31 +30,7 @@ std::vector<FrameSchedule::Bound> bounds_of(const ExtractionPipeline* extraction
   return bounds;
 }
 
-class DisplayContextAgain {
- public:
-  explicit DisplayContextAgain(LoopPlatform& platform) : platform_(platform) {}
-  DisplayContextAgain(const DisplayContextAgain&) = delete;
-  DisplayContextAgain& operator=(const DisplayContextAgain&) = delete;
-  ~DisplayContextAgain() {
-    try {
-      platform_.use_display_context();
-    } catch (const std::exception& error) {
-      // Whoever draws next finds out.
-      spdlog::debug("{}", error.what());
-    }
-  }
-
- private:
-  LoopPlatform& platform_;
-};
-
 }  // namespace
-
-void in_extraction_context(LoopPlatform& platform, const std::function<void()>& work) {
-  const DisplayContextAgain again(platform);
-  platform.use_extraction_context();
-  work();
-}
 
 struct DisplayLoop::State {
   State(LoopPlatform& of_platform, const Options& of_options, TextureStore& of_store, FrameSource& of_source,
@@ -78,28 +54,19 @@ struct DisplayLoop::State {
     return result;
   }
 
-  void use(bool for_extraction) {
-    if (for_extraction == extraction_is_current) return;
-    if (for_extraction) {
-      platform.use_extraction_context();
-    } else {
-      platform.use_display_context();
-    }
-    extraction_is_current = for_extraction;
-  }
-
   // Extraction.
 
   /// What the textures hold belongs to another generation than what is coming.
   void restart() {
-    use(true);
     due.reset();
-    if (callbacks.restart) {
-      callbacks.restart();
-    } else if (extraction != nullptr) {
-      extraction->clear();
-    }
-    platform.finish("clearing textures");
+    platform.in_extraction([this] {
+      if (callbacks.restart) {
+        callbacks.restart();
+      } else if (extraction != nullptr) {
+        extraction->clear();
+      }
+      platform.finish("clearing textures");
+    });
     newest_by_camera.clear();
     displayable.clear();
     ++restarts;
@@ -108,7 +75,6 @@ struct DisplayLoop::State {
   void take_picture() {
     std::optional<IncomingFrame> incoming = source->take();
     if (!incoming) return;
-    use(true);
     if (incoming->generation != generation) {
       if (incoming->generation != source->generation()) return;  // void since it was taken
       generation = incoming->generation;
@@ -123,7 +89,10 @@ struct DisplayLoop::State {
     begun.frames_meanwhile = frames;
     begun_frame = incoming->frame;
     try {
-      extraction->begin(std::move(incoming->frame));
+      platform.in_extraction([&] {
+        extraction->begin(std::move(incoming->frame));
+        due = extraction->pending_slice();
+      });
       ++pictures_begun;
     } catch (const InputError& error) {
       if (pictures_refused++ == 0) spdlog::warn("a picture was left out: {}", error.what());
@@ -138,10 +107,10 @@ struct DisplayLoop::State {
     if (due) return due;
     const Timestamp now = platform.now();
     if (now < ask_again) return due;
-    if (!extraction->is_busy()) take_picture();
     if (extraction->is_busy()) {
-      use(true);
-      due = extraction->pending_slice();
+      platform.in_extraction([this] { due = extraction->pending_slice(); });
+    } else {
+      take_picture();
     }
     if (!due) ask_again = now + kAskAgain;
     return due;
@@ -155,23 +124,24 @@ struct DisplayLoop::State {
   }
 
   void run_slice(const FrameSchedule::Slice& slice) {
-    use(true);
-    const ExtractionStep step = extraction->slice_kinds()[slice.kind].step;
-    const Timestamp started = platform.now();
-    due.reset();
-    const double size = extraction->run_slice(slice.size);
-    platform.finish("extracting textures");
-    const Timestamp completed = platform.now();
-    schedule.slice_started({slice.kind, size}, started);
-    schedule.slice_completed(completed);
-    begun.step_ms[static_cast<std::size_t>(step)] += 1e3 * (completed - started).seconds();
+    platform.in_extraction([&] {
+      const Timestamp started = platform.now();
+      due.reset();
+      const double size = extraction->run_slice(slice.size);
+      platform.finish("extracting textures");
+      slice_completed({slice.kind, size, started, platform.now()});
+      if (extraction->is_busy()) due = extraction->pending_slice();
+    });
+  }
+
+  void slice_completed(const SliceRecord& slice) {
+    schedule.slice_started({slice.kind, slice.size}, slice.started);
+    schedule.slice_completed(slice.completed);
+    const auto step = static_cast<std::size_t>(extraction->slice_kinds()[slice.kind].step);
+    begun.step_ms[step] += 1e3 * (slice.completed - slice.started).seconds();
     ++begun.slices;
-    if (callbacks.slice_completed) callbacks.slice_completed({slice.kind, size, started, completed});
-    if (extraction->is_busy()) {
-      due = extraction->pending_slice();
-    } else {
-      finish_picture(completed);
-    }
+    if (callbacks.slice_completed) callbacks.slice_completed(slice);
+    if (!extraction->is_busy()) finish_picture(slice.completed);
   }
 
   void finish_picture(Timestamp when) {
@@ -189,7 +159,7 @@ struct DisplayLoop::State {
   // Display.
 
   bool draw_frame(Timestamp deadline) {
-    use(false);
+    platform.use_display_context();
     const Timestamp started = platform.now();
     const std::int64_t number = schedule.frame_started(started);
     bool handed_over = false;
@@ -302,7 +272,6 @@ struct DisplayLoop::State {
   Callbacks callbacks;
   ExtractionPipeline* extraction = nullptr;
   FrameSchedule schedule;
-  bool extraction_is_current = false;
 
   std::optional<ExtractionSlice> due;  ///< as pending_slice() said, until it is run
   Timestamp ask_again;                 ///< for a picture or a slice, not before
@@ -346,17 +315,18 @@ void DisplayLoop::set_period(Duration period) {
 }
 
 bool DisplayLoop::run_frame() {
+  bool goes_on = true;
   try {
-    const bool goes_on = state_->run_frame();
-    state_->use(false);
-    return goes_on;
+    goes_on = state_->run_frame();
   } catch (...) {
-    if (state_->extraction_is_current) {
-      const DisplayContextAgain again(state_->platform);
-      state_->extraction_is_current = false;
+    try {
+      state_->platform.use_display_context();
+    } catch (const std::exception& error) {
+      spdlog::debug("{}", error.what());  // the first error is the one to tell
     }
     throw;
   }
+  return goes_on;
 }
 
 void DisplayLoop::run_until(Timestamp end) {

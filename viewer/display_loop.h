@@ -146,7 +146,4 @@ class DisplayLoop {
   std::unique_ptr<State> state_;
 };
 
-/// Runs `work` with extraction's context current, and comes back to the display's, also after an exception.
-void in_extraction_context(LoopPlatform& platform, const std::function<void()>& work);
-
 }  // namespace foreview

@@ -1,6 +1,7 @@
 #include "foreview/viewer/loop_platform.h"
 
 #include <epoxy/gl.h>
+#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <string>
@@ -31,6 +32,18 @@ std::string loss_of_context() {
 GlLoopPlatform::GlLoopPlatform(std::function<void()> make_display_current, OffscreenContext& extraction)
     : make_display_current_(std::move(make_display_current)), extraction_(extraction) {}
 
+void GlLoopPlatform::use_display_context() {
+  if (!extraction_is_current_) return;
+  make_display_current_();
+  extraction_is_current_ = false;
+}
+
+void GlLoopPlatform::in_extraction(const std::function<void()>& work) {
+  if (!extraction_is_current_) extraction_.make_current();
+  extraction_is_current_ = true;
+  work();
+}
+
 void GlLoopPlatform::sleep_until(Timestamp when) {
   std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(when.nanoseconds)));
 }
@@ -51,6 +64,20 @@ void GlLoopPlatform::finish(const char* what) {
                       std::to_string(kPatience.nanoseconds / 1'000'000'000) + " s");
   }
   if (result == GL_WAIT_FAILED) throw ContextLost(std::string("the graphics driver lost ") + what);
+}
+
+void in_extraction_context(LoopPlatform& platform, const std::function<void()>& work) {
+  try {
+    platform.in_extraction(work);
+  } catch (...) {
+    try {
+      platform.use_display_context();
+    } catch (const std::exception& error) {
+      spdlog::debug("{}", error.what());  // the first error is the one to tell
+    }
+    throw;
+  }
+  platform.use_display_context();
 }
 
 }  // namespace foreview

@@ -26,9 +26,11 @@ class LoopPlatform {
   /// A clock that does not go back.
   [[nodiscard]] virtual Timestamp now() = 0;
   virtual void sleep_until(Timestamp when) = 0;
-  /// Make a context current in the calling thread.
+  /// Makes the display's context current in the calling thread, if it is not.
   virtual void use_display_context() = 0;
-  virtual void use_extraction_context() = 0;
+  /// Runs `work`, and returns when it has returned, with extraction's context current. Which one is current afterwards
+  /// is not said: in one thread, going to and fro for each slice is saved.
+  virtual void in_extraction(const std::function<void()>& work) = 0;
   /// Returns when the GPU has done all that was issued in the current context. ContextLost where it never will;
   /// `what` names the work in messages.
   virtual void finish(const char* what) = 0;
@@ -42,17 +44,22 @@ class GlLoopPlatform final : public LoopPlatform {
 
   /// `make_display_current`: makes the display's context current (an OffscreenContext's, or the window's). `extraction`
   /// must share objects with it, and outlive this.
+  /// The display's context must be current.
   GlLoopPlatform(std::function<void()> make_display_current, OffscreenContext& extraction);
 
   [[nodiscard]] Timestamp now() override { return steady_now(); }
   void sleep_until(Timestamp when) override;
-  void use_display_context() override { make_display_current_(); }
-  void use_extraction_context() override { extraction_.make_current(); }
+  void use_display_context() override;
+  void in_extraction(const std::function<void()>& work) override;
   void finish(const char* what) override;
 
  private:
+  bool extraction_is_current_ = false;
   std::function<void()> make_display_current_;
   OffscreenContext& extraction_;
 };
+
+/// Runs `work` with extraction's context current, and comes back to the display's, also after an exception.
+void in_extraction_context(LoopPlatform& platform, const std::function<void()>& work);
 
 }  // namespace foreview

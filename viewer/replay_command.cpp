@@ -17,6 +17,7 @@
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/progress.h"
 #include "foreview/viewer/replay_options_cli.h"
+#include "foreview/viewer/replay_pacing.h"
 #include "foreview/viewer/replay_session.h"
 #include "foreview/viewer/replayer.h"
 #include "foreview/viewer/window.h"
@@ -25,6 +26,7 @@ namespace foreview {
 namespace {
 
 struct ReplayCommand {
+  ReplayPacingOptions pacing;
   ReplayOptions replay;
   ReplaySessionOptions session;
   bool headless = false;
@@ -39,7 +41,8 @@ constexpr const char* kKeys =
 constexpr const char* kExamples =
     "Examples:\n"
     "  foreview replay workcell --delay 500ms\n"
-    "  foreview replay my-recording --headless --out pictures --view both --every 10";
+    "  foreview replay my-recording --headless --out pictures --view both --every 10\n"
+    "  foreview replay workcell --headless --rate 50 --duration 20s --reference --pacing pacing.json";
 
 ViewMode parse_mode(const std::string& text) {
   const std::optional<ViewMode> mode = parse_view_mode(text);
@@ -53,8 +56,12 @@ void check(const ReplayCommand& command) {
   const double speed = command.session.speed;
   if (!(speed > 0 && speed <= 1000)) throw InputError("--speed", "expected a factor above 0 and at most 1000");
   if (command.session.every < 1) throw InputError("--every", "expected 1 or more");
-  if (command.headless && command.session.out.empty()) {
-    throw InputError("--headless", "expected --out DIR with it, for the pictures");
+  if (command.pacing.rate) {
+    if (!command.headless) throw InputError("--rate", "expected --headless with it; a window has a rate of its own");
+    if (command.replay.history) throw InputError("--history", "is not for --rate: pictures come as they arrive");
+    if (!command.session.out.empty()) throw InputError("--out", "is not for --rate, which writes no pictures");
+  } else if (command.headless && command.session.out.empty()) {
+    throw InputError("--headless", "expected --out DIR with it, for the pictures, or --rate HZ");
   }
 }
 
@@ -105,6 +112,10 @@ void run(const ReplayCommand& given, bool quiet) {
   command.session.delay = command.replay.delay;
   command.session.near_plane = command.replay.extraction.near_plane;
   check(command);
+  if (command.pacing.rate) {
+    replay_pacing(command.replay, command.pacing, quiet);
+    return;
+  }
   const Graphics graphics(command.headless);
   Replayer replayer(command.replay);
   ReplaySummary summary;
@@ -147,6 +158,7 @@ void add_replay_command(CLI::App& app) {
   replay->add_option("--out", session.out, "Where pictures go (default for S: where you are)")->type_name("DIR");
   replay->add_option("--every", session.every, "Headless: only every Nth picture's time (default: 1)")->type_name("N");
   replay->add_option("--json", command->json, "Write what was done to this file")->type_name("FILE");
+  add_pacing_options(*replay, command->pacing);
   replay->footer(kExamples);
   replay->callback([command, &app] { run(*command, app.count("--quiet") > 0); });
 }

@@ -35,7 +35,10 @@ class SimulatedPlatform final : public LoopPlatform {
     if (when > time) time = when + oversleep;
   }
   void use_display_context() override { change(false); }
-  void use_extraction_context() override { change(true); }
+  void in_extraction(const std::function<void()>& work) override {
+    change(true);
+    work();
+  }
   void finish(const char* what) override {
     glFinish();
     time = time + each_finish;
@@ -44,7 +47,7 @@ class SimulatedPlatform final : public LoopPlatform {
 
  private:
   void change(bool extraction) {
-    extraction_is_current = extraction;
+    if (std::exchange(extraction_is_current, extraction) == extraction) return;
     ++switches;
     time = time + each_switch;
   }

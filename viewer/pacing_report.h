@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "foreview/viewer/pacing.h"
+
+namespace foreview {
+
+struct PacingReport {
+  std::string recording, renderer;
+  int width = 0, height = 0;  ///< of the frames, pixels
+  double delay_seconds = 0;
+  std::vector<PacingRun> runs;  ///< with frames and extraction last
+};
+
+inline constexpr int kPacingJsonVersion = 1;
+
+/// Some lines per run, and how punctual frames are beside extraction where that was measured without, too.
+[[nodiscard]] std::string pacing_text(const PacingReport& report);
+/// One JSON object: "format" "foreview-pacing", "version" kPacingJsonVersion; described in docs/scheduling.md.
+[[nodiscard]] std::string pacing_json(const PacingReport& report);
+
+}  // namespace foreview
