@@ -44,28 +44,45 @@ FrameComposer::Size FrameComposer::fitting_size(ViewMode mode, int width, int he
 }
 
 void FrameComposer::compose(const FrameInput& input, const ViewChoice& choice, const Size& size) {
-  target_.resize(size.width, size.height, "window");
+  const bool fast = choice.quality == ViewQuality::fast;
+  target_.resize(size.width, size.height, "window", fast ? 1 : AntialiasedTarget::kSamples);
   constexpr std::array<GLfloat, 4> kBlack{0, 0, 0, 1};
   glClearNamedFramebufferfv(target_.framebuffer(), GL_COLOR, 0, kBlack.data());
   const int left_width = size.width / panels(choice.mode);
-  const Viewport left{0, 0, left_width, size.height};
+  const int line = choice.mode == ViewMode::split
+                       ? std::clamp(static_cast<int>(std::lround(choice.split * size.width)), 0, size.width)
+                       : left_width;
+  const Viewport left{0, 0, left_width, size.height, line};
   if (shows_predicted(choice.mode)) draw_predicted(input, choice, left);
   if (choice.mode == ViewMode::delayed) draw_delayed(input, choice, left, 0);
   if (choice.mode == ViewMode::side_by_side) {
     draw_delayed(input, choice, {left_width, 0, size.width - left_width, size.height}, left_width);
   }
   if (choice.mode == ViewMode::split) {
-    draw_delayed(input, choice, left,
-                 std::clamp(static_cast<int>(std::lround(choice.split * size.width)), 0, size.width));
+    draw_delayed(input, choice, {0, 0, left_width, size.height}, line);
   }
 }
 
 void FrameComposer::draw_predicted(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport) {
   if (!input.predicted) return;
+  const Overlays& overlays = choice.overlays;
   ViewStyle style;
-  style.holes_pink = choice.overlays.holes;
-  style.wireframe = choice.overlays.wireframe;
+  style.quality = choice.quality;
   style.near_plane = near_plane_;
+  // A room seen from outside would be hidden by its own walls.
+  style.cull_back_faces = choice.camera == CameraMode::overview;
+  style.holes_pink = overlays.holes;
+  style.never_seen = overlays.never_seen;
+  style.age = overlays.age;
+  style.density = overlays.density;
+  style.wireframe = overlays.wireframe;
+  style.polygon = choice.polygon;
+  style.moment = input.moment;
+  style.age_span = choice.age_span;
+  if (overlays.cone && input.capture) {
+    style.spotlight = &*input.capture;
+    style.spotlight_camera = &camera_;
+  }
   view_.draw(with_field_of_view(camera_, choice.field_of_view), *input.predicted, style, target_.framebuffer(),
              viewport, false);
 }

@@ -1,43 +1,37 @@
 #include "foreview/viewer/predicted_view.h"
 
+#include <algorithm>
 #include <array>
-#include <cassert>
-#include <glm/ext/matrix_transform.hpp>
+#include <cstdint>
 #include <glm/gtc/type_ptr.hpp>
-#include <glm/mat4x4.hpp>
+#include <optional>
 #include <span>
+#include <string>
 
+#include "foreview/viewer/model_buffers.h"
 #include "foreview/viewer/render_target.h"
+#include "foreview/viewer/spotlight.h"
 #include "foreview/viewer/view_geometry.h"
 
 namespace foreview {
 namespace {
 
 constexpr GLuint kPartsBinding = 0, kChartsBinding = 1, kPolygonStatesBinding = 2;
-constexpr GLuint kExposureBinding = 0;  // of uniform buffers
-constexpr GLuint kPagesUnit = 0;
+constexpr GLuint kSpotlightPartsBinding = 4;
+constexpr GLuint kExposureBinding = 0, kOverlayBinding = 1;  // of uniform buffers
+constexpr GLuint kPagesUnit = 0, kSpotlightUnit = 1;
 constexpr glm::vec3 kLineColour{0.25F, 1.0F, 0.35F};
 
-template <class T>
-GlBuffer make_buffer(const std::vector<T>& content, GLbitfield flags = 0) {
-  GlBuffer buffer = GlBuffer::create();
-  // A buffer cannot be empty; nothing is ever read from this stand-in.
-  static constexpr std::array<char, 64> kNothing{};
-  const auto bytes = static_cast<GLsizeiptr>(content.size() * sizeof(T));
-  glNamedBufferStorage(buffer.id(), bytes > 0 ? bytes : 64,
-                       bytes > 0 ? static_cast<const void*>(content.data()) : kNothing.data(), flags);
-  return buffer;
-}
-
-void set_attribute(GLuint vao, GLuint index, GLint components, std::size_t offset, bool integer) {
-  glEnableVertexArrayAttrib(vao, index);
-  if (integer) {
-    glVertexArrayAttribIFormat(vao, index, components, GL_UNSIGNED_INT, static_cast<GLuint>(offset));
-  } else {
-    glVertexArrayAttribFormat(vao, index, components, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
-  }
-  glVertexArrayAttribBinding(vao, index, 0);
-}
+/// view_overlays.glsl's uniform block (std140).
+struct OverlayBlock {
+  std::uint32_t holes = 0, never_seen = 0, age = 0, density = 0;
+  std::int32_t polygon = -1, group = -1, moment = 0;
+  float age_span = 1;
+  std::uint32_t spotlight = 0;
+  float orientation = 1;
+  std::array<float, 2> padding{};
+};
+static_assert(sizeof(OverlayBlock) == 48);
 
 /// Integer and float attachments of render_surface.
 struct SurfaceTarget {
@@ -84,69 +78,56 @@ struct SurfaceTarget {
 
 struct PredictedView::State {
   const TextureStore& store;
-  ViewGeometry geometry;
-  GlBuffer vertices, triangles, edges, charts, parts;
-  GlVertexArray vao;
+  ModelBuffers model;
+  ModelBuffers::Placement placement;
   GlSampler sampler;
-  GlProgram polygon_program, surface_program, depth_program, edge_program;
+  GlBuffer overlay_block;
+  GlProgram surface_program, depth_program, edge_program;
+  std::array<std::array<GlProgram, 2>, 2> polygon_programs;  ///< by whether fast, and whether with overlays
+  std::optional<Spotlight> spotlight;
   AntialiasedTarget target;
   SurfaceTarget surface_target;
 
   explicit State(const TextureStore& texture_store)
       : store(texture_store),
-        geometry(texture_store.model(), texture_store.layout()),
-        vertices(make_buffer(geometry.vertices)),
-        triangles(make_buffer(geometry.triangles)),
-        edges(make_buffer(geometry.edges)),
-        charts(make_buffer(geometry.charts)),
-        parts(make_buffer(std::vector<glm::mat4>(geometry.part_centres.size()), GL_DYNAMIC_STORAGE_BIT)),
-        vao(GlVertexArray::create()),
+        model(texture_store.model(), texture_store.layout()),
+        placement(model.make_placement()),
         sampler(make_clamped_sampler(GL_LINEAR_MIPMAP_NEAREST)),
-        polygon_program(make_program("view_polygons.vert.glsl", "view_polygons.frag.glsl")),
+        overlay_block(GlBuffer::create()),
         surface_program(make_program("view_polygons.vert.glsl", "view_polygons.frag.glsl", "#define SURFACE 1\n")),
         depth_program(make_program("view_polygons.vert.glsl", "view_wireframe.frag.glsl")),
         edge_program(make_program("view_wireframe.vert.glsl", "view_wireframe.frag.glsl")) {
-    glVertexArrayVertexBuffer(vao.id(), 0, vertices.id(), 0, sizeof(ViewGeometry::Vertex));
-    set_attribute(vao.id(), 0, 3, offsetof(ViewGeometry::Vertex, position), false);
-    set_attribute(vao.id(), 1, 2, offsetof(ViewGeometry::Vertex, texel), false);
-    set_attribute(vao.id(), 2, 1, offsetof(ViewGeometry::Vertex, polygon), true);
-    set_attribute(vao.id(), 3, 1, offsetof(ViewGeometry::Vertex, part), true);
+    glNamedBufferStorage(overlay_block.id(), sizeof(OverlayBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
     // The shader asks for whole levels only, because each level has a clamp of its own.
     glProgramUniform3fv(edge_program.id(), glGetUniformLocation(edge_program.id(), "line_colour"), 1,
                         glm::value_ptr(kLineColour));
+    static_cast<void>(polygon_program({}));
   }
 
-  /// Places the parts; matrices are multiplied in double, so that a model far from the origin does not tremble.
-  void place_parts(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,
-                   double near_plane, bool flip) {
-    assert(world_from_part.size() == geometry.part_centres.size());
-    glm::dmat4 clip_from_camera = camera.clip_from_camera(near_plane);
-    if (flip) {
-      clip_from_camera = glm::scale(glm::dmat4(1.0), glm::dvec3(1, -1, 1)) * clip_from_camera;
+  /// Compiled when first asked for: an operator who never needs an overlay does not wait for it.
+  [[nodiscard]] const GlProgram& polygon_program(const Style& style) {
+    const bool fast = style.quality == ViewQuality::fast, overlays = style.colours_surfaces();
+    GlProgram& program = polygon_programs[fast ? 1 : 0][overlays ? 1 : 0];
+    if (program.id() == 0) {
+      const std::string defines =
+          std::string(fast ? "#define FAST 1\n" : "") + (overlays ? "#define OVERLAYS 1\n" : "");
+      program = make_program("view_polygons.vert.glsl", "view_polygons.frag.glsl", defines.c_str());
     }
-    const Pose camera_from_world = world_from_camera.inverse();
-    std::vector<glm::mat4> clip_from_part;
-    for (std::size_t i = 0; i < world_from_part.size(); ++i) {
-      const glm::dmat4 part_from_centre = glm::translate(glm::dmat4(1.0), geometry.part_centres[i]);
-      clip_from_part.emplace_back(clip_from_camera * (camera_from_world * world_from_part[i]).matrix() *
-                                  part_from_centre);
-    }
-    glNamedBufferSubData(parts.id(), 0, static_cast<GLsizeiptr>(clip_from_part.size() * sizeof(glm::mat4)),
-                         clip_from_part.data());
-    // Counter-clockwise polygons turn clockwise where the picture's top is at y = -1.
-    glFrontFace(flip ? GL_CCW : GL_CW);
+    return program;
   }
 
-  void begin(GLuint framebuffer, const Viewport& viewport) const {
+  void begin(GLuint framebuffer, const Viewport& viewport, bool flip) const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
-    glScissor(viewport.x, viewport.y, viewport.width, viewport.height);
+    glScissor(viewport.x, viewport.y, std::min(viewport.width, viewport.shown_width), viewport.height);
     glEnable(GL_SCISSOR_TEST);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    glBindVertexArray(vao.id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPartsBinding, parts.id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kChartsBinding, charts.id());
+    // Counter-clockwise polygons turn clockwise where the picture's top is at y = -1.
+    glFrontFace(flip ? GL_CCW : GL_CW);
+    model.bind();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPartsBinding, placement.buffer());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kChartsBinding, model.charts());
     const TextureStore::Shown shown = store.acquire();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kPolygonStatesBinding, shown.polygon_states);
     glBindBufferBase(GL_UNIFORM_BUFFER, kExposureBinding, shown.exposure);
@@ -165,6 +146,7 @@ struct PredictedView::State {
     glBindSampler(kPagesUnit, 0);
     glBindVertexArray(0);
     glUseProgram(0);
+    glDisable(GL_CULL_FACE);
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
@@ -172,51 +154,84 @@ struct PredictedView::State {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
   }
 
-  void draw_polygons(const GlProgram& program) const {
-    glUseProgram(program.id());
-    glVertexArrayElementBuffer(vao.id(), triangles.id());
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(geometry.triangles.size()), GL_UNSIGNED_INT, nullptr);
-  }
-
   void draw_depth_only() const {
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    draw_polygons(depth_program);
+    glUseProgram(depth_program.id());
+    model.draw_triangles();
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   }
 
-  void draw_edges() const {
-    glUseProgram(edge_program.id());
-    glVertexArrayElementBuffer(vao.id(), edges.id());
-    glDrawElements(GL_LINES, static_cast<GLsizei>(geometry.edges.size()), GL_UNSIGNED_INT, nullptr);
+  /// Before begin(): draws the spotlight's depth where its picture is a new one.
+  void prepare_spotlight(const Style& style) {
+    if (style.spotlight == nullptr || style.spotlight_camera == nullptr) return;
+    if (!spotlight) spotlight.emplace(model);
+    spotlight->set(*style.spotlight_camera, *style.spotlight, style.near_plane);
+  }
+
+  void set_overlays(const Style& style, bool flip) const {
+    OverlayBlock block;
+    block.holes = style.holes_pink ? 1 : 0;
+    block.never_seen = style.never_seen ? 1 : 0;
+    block.age = style.age ? 1 : 0;
+    block.density = style.density ? 1 : 0;
+    if (style.polygon && *style.polygon < store.layout().charts.size()) {
+      block.polygon = static_cast<std::int32_t>(*style.polygon);
+      block.group = static_cast<std::int32_t>(store.layout().charts[*style.polygon].group);
+    }
+    block.age_span = static_cast<float>(std::max(style.age_span, 1e-3));
+    block.spotlight = spotlight && style.spotlight != nullptr ? 1 : 0;
+    block.orientation = flip ? -1.0F : 1.0F;
+    glNamedBufferSubData(overlay_block.id(), 0, sizeof block, &block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kOverlayBinding, overlay_block.id());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSpotlightPartsBinding,
+                     block.spotlight != 0 ? spotlight->parts() : placement.buffer());
+    glBindTextureUnit(kSpotlightUnit, block.spotlight != 0 ? spotlight->depth() : 0);
   }
 
   void draw(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,
             const Style& style, GLuint framebuffer, const Viewport& viewport, bool flip) {
-    if (viewport.width < 1 || viewport.height < 1) return;
-    place_parts(fit_camera(camera, viewport.width, viewport.height), world_from_camera, world_from_part,
-                style.near_plane, flip);
-    begin(framebuffer, viewport);
+    if (viewport.width < 1 || viewport.height < 1 || viewport.shown_width < 1) return;
+    const CameraModel fitted = fit_camera(camera, viewport.width, viewport.height);
+    if (style.textures) prepare_spotlight(style);
+    model.place(placement, fitted, world_from_camera, world_from_part, style.near_plane, flip);
+    const bool sorted = style.textures && style.quality == ViewQuality::fast;
+    if (sorted) model.sort(world_from_camera, world_from_part);
+    begin(framebuffer, viewport, flip);
     clear(style.textures);
+    if (style.cull_back_faces) glEnable(GL_CULL_FACE);
     if (style.textures) {
-      glProgramUniform1i(polygon_program.id(), glGetUniformLocation(polygon_program.id(), "holes_pink"),
-                         style.holes_pink ? 1 : 0);
-      draw_polygons(polygon_program);
+      const GlProgram& program = polygon_program(style);
+      if (style.colours_surfaces()) set_overlays(style, flip);
+      glUseProgram(program.id());
+      model.draw_triangles(sorted);
     } else if (style.wireframe) {
       draw_depth_only();
     }
-    if (style.wireframe) draw_edges();
+    if (style.wireframe) {
+      glUseProgram(edge_program.id());
+      model.draw_edges();
+    }
+    if (style.textures && spotlight && style.spotlight != nullptr) {
+      spotlight->draw_frustum(fitted, world_from_camera, style.near_plane, flip);
+    }
+    end();
+  }
+
+  void draw_surface(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,
+                    bool cull_back_faces, double near_plane, const SurfaceTarget& into) {
+    model.place(placement, camera.undistorted(), world_from_camera, world_from_part, near_plane, false);
+    begin(into.framebuffer.id(), {0, 0, into.width, into.height}, false);
+    into.clear();
+    if (cull_back_faces) glEnable(GL_CULL_FACE);
+    glUseProgram(surface_program.id());
+    model.draw_triangles();
     end();
   }
 
   Surface surface(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part) {
-    const int width = camera.width, height = camera.height;
-    target.resize(width, height, "camera");  // for its check of the driver's limits
-    surface_target.resize(width, height);
-    place_parts(camera.undistorted(), world_from_camera, world_from_part, Style().near_plane, false);
-    begin(surface_target.framebuffer.id(), {0, 0, width, height});
-    surface_target.clear();
-    draw_polygons(surface_program);
-    end();
+    target.resize(camera.width, camera.height, "camera");  // for its check of the driver's limits
+    surface_target.resize(camera.width, camera.height);
+    draw_surface(camera, world_from_camera, world_from_part, false, Style().near_plane, surface_target);
     return {surface_target.read(GL_COLOR_ATTACHMENT0, GL_RED_INTEGER, GL_INT, CV_32S),
             surface_target.read(GL_COLOR_ATTACHMENT1, GL_RED, GL_FLOAT, CV_32F),
             surface_target.read(GL_COLOR_ATTACHMENT2, GL_RED_INTEGER, GL_UNSIGNED_BYTE, CV_8U)};

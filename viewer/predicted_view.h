@@ -1,18 +1,37 @@
 #pragma once
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 
 #include "foreview/gpu/texture_store.h"
 #include "foreview/scene/camera_frame.h"
+#include "foreview/viewer/view_choice.h"
 
 namespace foreview {
 
 /// How PredictedView draws.
 struct ViewStyle {
-  bool holes_pink = false;   ///< filled texels and never-seen polygons in pink (the dissertation's figures)
-  bool wireframe = false;    ///< polygon edges over the view, hidden ones left out, without the backdrop's
-  bool textures = true;      ///< false: only the wireframe, over what is in the framebuffer
-  double near_plane = 0.02;  ///< metres
+  bool holes_pink = false;  ///< filled texels and never-seen polygons in pink (the dissertation's figures)
+  bool wireframe = false;   ///< polygon edges over the view, hidden ones left out, without the backdrop's
+  bool textures = true;     ///< false: only the wireframe, over what is in the framebuffer
+  /// Fast: fewer taps, nearest polygons first. Meant for a framebuffer with one sample a pixel.
+  ViewQuality quality = ViewQuality::full;
+  bool cull_back_faces = false;  ///< so that one can look into a room from outside
+  double near_plane = 0.02;      ///< metres
+
+  // Overlays (see Overlays); all go together. They cost a shader of their own, the plain view nothing.
+  bool never_seen = false, age = false, density = false;
+  Timestamp moment;                      ///< that ages count from
+  double age_span = 10;                  ///< seconds at the upper end of the scale of ages
+  std::optional<std::uint32_t> polygon;  ///< highlighted, and less so what shares its chart
+  /// What this camera saw in this state is lit (Spotlight); both or none. Read during the call only.
+  const CaptureState* spotlight = nullptr;
+  const CameraModel* spotlight_camera = nullptr;
+  [[nodiscard]] bool colours_surfaces() const {
+    return holes_pink || never_seen || age || density || polygon || spotlight != nullptr;
+  }
 };
 
 /// Draws the textured model as the operator sees it: PredictedState in, picture out. Knows textures only through the
@@ -36,6 +55,7 @@ class PredictedView {
   /// it over for a window's framebuffer, whose row 0 is at the bottom.
   struct Viewport {
     int x = 0, y = 0, width = 0, height = 0;
+    int shown_width = std::numeric_limits<int>::max();  ///< only so many columns are drawn, from the left
   };
   void draw(const CameraModel& camera, const PredictedState& state, const Style& style, GLuint framebuffer,
             const Viewport& viewport, bool flip);

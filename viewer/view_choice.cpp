@@ -33,6 +33,14 @@ std::optional<ViewMode> parse_view_mode(std::string_view text) {
   return text == "side-by-side" ? ViewMode::side_by_side : find_named(kViewModes, text);
 }
 
+const char* to_string(ViewQuality quality) {
+  return quality == ViewQuality::full ? "full" : "fast";
+}
+
+std::optional<ViewQuality> parse_view_quality(std::string_view text) {
+  return find_named(kViewQualities, text);
+}
+
 const char* to_string(CameraMode mode) {
   switch (mode) {
     case CameraMode::follow:

@@ -30,6 +30,16 @@ inline constexpr std::array kViewModes{ViewMode::predicted, ViewMode::delayed, V
   return mode == ViewMode::delayed || mode == ViewMode::side_by_side || mode == ViewMode::split;
 }
 
+/// What a frame may cost.
+enum class ViewQuality {
+  full,  ///< four samples a pixel, textures filtered as well as is worth while
+  fast,  ///< one sample a pixel, less filtering: for software rendering, where that takes a fifth of the time
+};
+inline constexpr std::array kViewQualities{ViewQuality::full, ViewQuality::fast};
+/// As --quality takes it.
+[[nodiscard]] const char* to_string(ViewQuality quality);
+[[nodiscard]] std::optional<ViewQuality> parse_view_quality(std::string_view text);
+
 /// Where the operator's camera is (OperatorCamera).
 enum class CameraMode {
   follow,       ///< where the recording's camera was
@@ -61,6 +71,7 @@ struct Overlays {
 /// frame depends on. Pure state, without clock, window or GL; view_options_cli.h turns it into options and back.
 struct ViewChoice {
   ViewMode mode = ViewMode::predicted;
+  ViewQuality quality = ViewQuality::full;
   double split = 0.5;  ///< where the line is, 0 (left) to 1 (right)
   Overlays overlays;
   double age_span = 10;                  ///< seconds at the upper end of the scale of ages

@@ -16,18 +16,20 @@ ViewGeometry::ChartRecord chart_record(const Chart& chart) {
   record.size = glm::vec2(chart.size);
   record.valid = glm::vec2(glm::min(chart.inner + 2 * kChartGutter, chart.size));
   record.page = static_cast<float>(chart.page);
+  record.group = static_cast<float>(chart.group);
   return record;
 }
 
 }  // namespace
 
 ViewGeometry::ViewGeometry(const PolygonModel& model, const ChartLayout& layout)
-    : part_centres(centres_of_parts(model)) {
+    : part_centres(centres_of_parts(model)), part_is_backdrop(model.parts().size(), true) {
   assert(layout.charts.size() == model.polygons().size());
   std::set<std::array<std::uint32_t, 3>> edges_done;  // part, lower vertex, higher vertex
   for (std::size_t p = 0; p < model.polygons().size(); ++p) {
     const Polygon& polygon = model.polygons()[p];
     const Chart& chart = layout.charts[p];
+    if (!polygon.is_backdrop) part_is_backdrop[polygon.part] = false;
     const auto corners = model.corners_of(p);
     const auto first = static_cast<std::uint32_t>(vertices.size());
     const auto count = static_cast<std::uint32_t>(corners.size());

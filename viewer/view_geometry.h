@@ -27,7 +27,7 @@ struct ViewGeometry {
     glm::vec2 size{0};    ///< texels, of the block
     glm::vec2 valid{0};   ///< texels: the polygon's box grown by the gutter on both sides, from the block's origin
     float page = 0;
-    float padding = 0;
+    float group = 0;  ///< index into ChartLayout::groups; exact, there are fewer than 2^24
   };
   static_assert(sizeof(Vertex) == 28 && sizeof(ChartRecord) == 32);
 
@@ -36,6 +36,7 @@ struct ViewGeometry {
   std::vector<std::uint32_t> edges;      ///< two indices each: polygons' edges, shared ones once, backdrop left out
   std::vector<ChartRecord> charts;       ///< one per polygon
   std::vector<glm::dvec3> part_centres;  ///< one per part, part frame
+  std::vector<bool> part_is_backdrop;    ///< one per part: has nothing but backdrop (or nothing at all)
 
   ViewGeometry() = default;
   ViewGeometry(const PolygonModel& model, const ChartLayout& layout);

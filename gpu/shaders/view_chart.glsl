@@ -6,7 +6,7 @@ struct Chart {
   vec2 size;    // texels, of the block
   vec2 valid;   // texels: the polygon's box grown by the gutter, from the origin
   float page;
-  float padding;
+  float group;
 };
 layout(std430, binding = 1) readonly buffer Charts { Chart charts[]; };
 layout(binding = 0) uniform sampler2DArray pages;  // bilinear within a level, nearest level
@@ -16,7 +16,11 @@ layout(binding = 0) uniform sampler2DArray pages;  // bilinear within a level, n
 const float kSharper = -0.5;
 const float kCoarsestLevel = 4.0;  // kChartLevels - 1
 // 8 look no better on the workcell (0.001 dB) and cost 110 ms more of processor time a frame in software.
+#ifdef FAST
+const float kMostTaps = 2.0;
+#else
 const float kMostTaps = 4.0;
+#endif
 const float kGutter = 2.0;  // kChartGutter
 
 // Unlike min and max, defined for NaN (a pixel centre outside its polygon and beyond the horizon): the lower bound.
@@ -58,8 +62,13 @@ vec3 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
     level = fitting_level;
     taps = min(ceil(longer / exp2(level)), kMostTaps);
   }
+#ifdef FAST
+  float fine = floor(level + 0.5);
+  float coarse_weight = 0.0;
+#else
   float fine = floor(level);
   float coarse_weight = level - fine;
+#endif
   vec3 sum = vec3(0.0);
   for (float i = 0.5; i < taps; i += 1.0) {
     vec2 at = t + axis * (i / taps - 0.5);

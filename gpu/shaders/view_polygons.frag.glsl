@@ -1,12 +1,11 @@
 #version 450 core
-// Colour of a polygon at a pixel (default), or with SURFACE what lies there. See viewer/predicted_view.h.
+// Colour of a polygon at a pixel (default), with overlays over it (OVERLAYS), or with SURFACE what lies there. FAST:
+// with less filtering. See viewer/predicted_view.h.
 
 #include "exposure.glsl"
 #include "view_chart.glsl"
 
 layout(std430, binding = 2) readonly buffer PolygonStates { vec4 polygon_states[]; };  // mean colour, seen
-
-uniform bool holes_pink;
 
 in vec2 chart_texel;
 flat in uint polygon_index;
@@ -19,7 +18,9 @@ layout(location = 2) out uint surface_provenance;  // 2 observed, 1 filled, 0 ne
 layout(location = 0) out vec4 colour;
 #endif
 
-const vec3 kPink = vec3(1.0, 0.41, 0.71);
+#ifdef OVERLAYS
+#include "view_overlays.glsl"
+#endif
 
 // A back face can never get a texture: the model has no surface there. It keeps the polygon's mean colour, halfway to
 // grey, so that it neither shows what is behind (a hole where something solid is) nor passes for a true surface.
@@ -38,14 +39,15 @@ void main() {
   surface_provenance = !textured ? 0u : chart_is_observed(polygon_index, chart_texel) ? 2u : 1u;
 #else
   vec3 rgb;
-  if (holes_pink && !(textured && chart_is_observed(polygon_index, chart_texel))) {
-    rgb = kPink;
-  } else if (textured) {
+  if (textured) {
     rgb = exposed(chart_colour(polygon_index, chart_texel, texel_per_x, texel_per_y), shown_gain.rgb);
   } else {
     vec3 mean_colour = exposed(state.rgb, shown_gain.rgb);
     rgb = gl_FrontFacing ? mean_colour : back_face_colour(mean_colour);
   }
+#ifdef OVERLAYS
+  rgb = with_overlays(rgb, textured, state.a, texel_per_x, texel_per_y);
+#endif
   colour = vec4(rgb, 1.0);
 #endif
 }

@@ -11,8 +11,16 @@ layout(std430, binding = 0) readonly buffer Parts { mat4 clip_from_part[]; };
 out vec2 chart_texel;
 flat out uint polygon_index;
 
+#ifdef OVERLAYS
+layout(std430, binding = 4) readonly buffer SpotlightParts { mat4 spotlight_from_part[]; };
+out vec4 spotlight_position;
+#endif
+
 void main() {
   gl_Position = clip_from_part[part] * vec4(position, 1.0);
   chart_texel = texel;
   polygon_index = polygon;
+#ifdef OVERLAYS
+  spotlight_position = spotlight_from_part[part] * vec4(position, 1.0);
+#endif
 }

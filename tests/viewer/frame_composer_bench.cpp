@@ -28,6 +28,11 @@ std::vector<std::pair<std::string, ViewChoice>> choices() {
   for (const ViewMode mode : kViewModes) {
     add(to_string(mode), [&](ViewChoice& c) { c.mode = mode; });
   }
+  add("predicted, fast", [](ViewChoice& c) { c.quality = ViewQuality::fast; });
+  add("age, fast", [](ViewChoice& c) {
+    c.quality = ViewQuality::fast;
+    c.overlays.age = true;
+  });
   add("holes", [](ViewChoice& c) { c.overlays.holes = true; });
   add("never seen", [](ViewChoice& c) { c.overlays.never_seen = true; });
   add("age", [](ViewChoice& c) { c.overlays.age = true; });
