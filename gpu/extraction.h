@@ -31,6 +31,7 @@ struct ExtractionOptions {
   bool compensate_exposure = false;
   /// Throws InputError naming the option that is out of its range.
   void validate() const;
+  bool operator==(const ExtractionOptions&) const = default;
 };
 
 /// The steps of spec 12's table, for timings. A pipeline that does several in one pass books them under the first.

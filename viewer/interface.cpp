@@ -101,6 +101,10 @@ bool Interface::wants_keys() const {
   return state_->entered || io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
 }
 
+bool Interface::is_editing() const {
+  return ImGui::IsAnyItemActive();
+}
+
 PointerState Interface::pointer() const {
   const ImGuiIO& io = ImGui::GetIO();
   PointerState pointer;

@@ -37,6 +37,8 @@ class Interface {
   /// The keyboard goes into the panels, to the widget that had it last.
   void enter();
   [[nodiscard]] bool wants_keys() const;
+  /// A slider is being dragged, or a figure typed: what it changes is not final.
+  [[nodiscard]] bool is_editing() const;
   /// Between begin() and end().
   [[nodiscard]] PointerState pointer() const;
   /// Height of text in the interface's own units, which panels are laid out in.

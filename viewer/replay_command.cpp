@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,7 +19,7 @@
 #include "foreview/viewer/replay_pacing.h"
 #include "foreview/viewer/replay_session.h"
 #include "foreview/viewer/replayer.h"
-#include "foreview/viewer/window.h"
+#include "foreview/viewer/viewer_session.h"
 
 namespace foreview {
 namespace {
@@ -33,10 +32,6 @@ struct ReplayCommand {
   std::string view = "predicted";
   std::optional<std::filesystem::path> json;
 };
-
-constexpr const char* kKeys =
-    "Keys: Tab predicted / delayed / both   M model's edges over the delayed picture   H holes in pink   W wireframe\n"
-    "      S save a picture   Space pause   Left, Right to the picture before, after (paused)   Esc, Q quit\n";
 
 constexpr const char* kExamples =
     "Examples:\n"
@@ -54,7 +49,7 @@ ViewMode parse_mode(const std::string& text) {
 
 void check(const ReplayCommand& command) {
   const double speed = command.session.speed;
-  if (!(speed > 0 && speed <= 1000)) throw InputError("--speed", "expected a factor above 0 and at most 1000");
+  if (!(speed >= 0.01 && speed <= 100)) throw InputError("--speed", "expected a factor from 0.01 to 100");
   if (command.session.every < 1) throw InputError("--every", "expected 1 or more");
   if (command.pacing.rate) {
     if (!command.headless) throw InputError("--rate", "expected --headless with it; a window has a rate of its own");
@@ -64,23 +59,6 @@ void check(const ReplayCommand& command) {
     throw InputError("--headless", "expected --out DIR with it, for the pictures, or --rate HZ");
   }
 }
-
-/// A current context for the session: the window's, or one without a window.
-struct Graphics {
-  std::unique_ptr<Window> window;
-  std::unique_ptr<OffscreenContext> offscreen;
-
-  explicit Graphics(bool headless) {
-    const GlDebug debug = gl_debug_from_environment();
-    if (headless) {
-      offscreen = std::make_unique<OffscreenContext>(OffscreenContext::Options{.debug = debug != GlDebug::off});
-      if (debug != GlDebug::off) install_debug_callback(debug == GlDebug::fatal);
-      spdlog::debug("graphics: {}", offscreen->renderer());
-    } else {
-      window = std::make_unique<Window>("foreview", 960, 720);
-    }
-  }
-};
 
 void write_json(const std::filesystem::path& file, Replayer& replayer, const ReplayCommand& command,
                 const ReplaySummary& summary) {
@@ -106,6 +84,15 @@ void write_json(const std::filesystem::path& file, Replayer& replayer, const Rep
   write_file_whole(file, json.dump(2) + "\n");
 }
 
+void view(const ReplayCommand& command, bool quiet) {
+  ViewerOptions options;
+  options.replay = command.replay;
+  options.session = command.session;
+  options.link.delay = command.replay.delay;
+  options.json = command.json;
+  run_viewer(options, quiet);
+}
+
 void run(const ReplayCommand& given, bool quiet) {
   ReplayCommand command = given;
   command.session.choice.mode = parse_mode(command.view);
@@ -116,18 +103,16 @@ void run(const ReplayCommand& given, bool quiet) {
     replay_pacing(command.replay, command.pacing, quiet);
     return;
   }
-  const Graphics graphics(command.headless);
+  if (!command.headless) return view(command, quiet);
+  const GlDebug debug = gl_debug_from_environment();
+  const OffscreenContext context(OffscreenContext::Options{.debug = debug != GlDebug::off});
+  if (debug != GlDebug::off) install_debug_callback(debug == GlDebug::fatal);
+  spdlog::debug("graphics: {}", context.renderer());
   Replayer replayer(command.replay);
-  ReplaySummary summary;
-  if (graphics.window) {
-    if (!quiet) std::cout << kKeys << std::flush;
-    summary = replay_in_window(replayer, *graphics.window, command.session);
-  } else {
-    summary = replay_headless(replayer, command.session);
-    if (!quiet) {
-      std::cout << summary.pictures_written << " pictures in " << command.session.out.string() << "/" << command.view
-                << "\n";
-    }
+  const ReplaySummary summary = replay_headless(replayer, command.session);
+  if (!quiet) {
+    std::cout << summary.pictures_written << " pictures in " << command.session.out.string() << "/" << command.view
+              << "\n";
   }
   if (replayer.pictures_damaged() > 0) {
     spdlog::warn("{} picture(s) could not be read and were left out", replayer.pictures_damaged());

@@ -107,4 +107,34 @@ ReplayInput::ReplayInput(const ReplayOptions& from)
       model(load_model(from, recording)),
       charts(chart_options_for(from, recording, model)) {}
 
+ReplaySpan find_span(const ReplayInput& input) {
+  const Recording& recording = input.recording;
+  const std::size_t camera = input.camera;
+  const std::string &from_text = input.options.from, &to_text = input.options.to;
+  const auto known = [&](Timestamp t) { return recording.predicted_state(camera, t, input.model).has_value(); };
+  const Timestamp from =
+      from_text.empty() ? recording.first_stamp(camera) : recording.parse_position(from_text, "--from", camera);
+  const Timestamp to =
+      to_text.empty() ? recording.last_stamp(camera) : recording.parse_position(to_text, "--to", camera);
+  if (to < from) throw InputError("--to", "lies before --from; expected the same position or a later one");
+  ReplaySpan span;
+  bool any = false;
+  for (const Recording::PictureEntry& picture : recording.cameras()[camera].pictures) {
+    if (picture.stamp < from || picture.stamp > to || !known(picture.stamp)) continue;
+    if (!any) span.first = picture.stamp;
+    span.last = picture.stamp;
+    any = true;
+  }
+  if (!any) {
+    throw InputError(recording.directory().string(),
+                     "no usable picture from " + (from_text.empty() ? "its start" : from_text) + " to " +
+                         (to_text.empty() ? "its end" : to_text) +
+                         "; expected at least one with the poses of the camera and all parts");
+  }
+  // A display time between pictures is as good, so long as its state is known.
+  if (from > recording.first_stamp(camera) && known(from)) span.first = from;
+  if (to < recording.last_stamp(camera) && known(to)) span.last = to;
+  return span;
+}
+
 }  // namespace foreview

@@ -21,4 +21,11 @@ struct ReplayInput {
   ChartOptions charts;
 };
 
+/// --from and --to, cut to where the state of everything is known.
+struct ReplaySpan {
+  Timestamp first, last;
+};
+/// Throws InputError where no picture with its state lies within them, or they are no positions.
+[[nodiscard]] ReplaySpan find_span(const ReplayInput& input);
+
 }  // namespace foreview

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "foreview/viewer/replay_control.h"
 #include "foreview/viewer/replayer.h"
+#include "foreview/viewer/view_choice.h"
 
 namespace foreview {
 
@@ -37,10 +37,5 @@ struct ReplayInstant {
 /// Writes out/MODE/STEM.png for every instant, whole files only. The same input gives the same bytes. Throws
 /// Interrupted on Ctrl-C.
 [[nodiscard]] ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& options);
-
-class Window;
-/// Replays in the window until the user leaves. S writes the frame, in the camera's own size: what replay_headless()
-/// writes for that instant. Ctrl-C ends it like Q: the caller sees interrupted().
-[[nodiscard]] ReplaySummary replay_in_window(Replayer& replayer, Window& window, const ReplaySessionOptions& options);
 
 }  // namespace foreview

@@ -44,39 +44,15 @@ struct Replayer::State : ReplayInput {
         store(model, lay_out(model, charts)),
         extraction(make_extraction_pipeline(options.pipeline, store, charts, options.extraction)),
         view(store) {
-    find_span();
+    const ReplaySpan span = find_span(*this);
+    first = span.first;
+    last = span.last;
     extraction->set_counting(options.stats);
     begin_afresh();
     store.spread_to_never_seen();
   }
 
   const Recording::Camera& own() const { return recording.cameras()[camera]; }
-
-  /// --from and --to, cut to the pictures at which the state of everything is known.
-  void find_span() {
-    const Timestamp from =
-        options.from.empty() ? recording.first_stamp(camera) : recording.parse_position(options.from, "--from", camera);
-    const Timestamp to =
-        options.to.empty() ? recording.last_stamp(camera) : recording.parse_position(options.to, "--to", camera);
-    if (to < from) throw InputError("--to", "lies before --from; expected the same position or a later one");
-    bool any = false;
-    for (const Recording::PictureEntry& picture : own().pictures) {
-      if (picture.stamp < from || picture.stamp > to) continue;
-      if (!recording.predicted_state(camera, picture.stamp, model)) continue;
-      if (!any) first = picture.stamp;
-      last = picture.stamp;
-      any = true;
-    }
-    if (!any) {
-      throw InputError(recording.directory().string(),
-                       "no usable picture from " + (options.from.empty() ? "its start" : options.from) + " to " +
-                           (options.to.empty() ? "its end" : options.to) +
-                           "; expected at least one with the poses of the camera and all parts");
-    }
-    // A display time between pictures is as good, so long as its state is known.
-    if (from > recording.first_stamp(camera) && recording.predicted_state(camera, from, model)) first = from;
-    if (to < recording.last_stamp(camera) && recording.predicted_state(camera, to, model)) last = to;
-  }
 
   /// To what the textures were before the first picture.
   void begin_afresh() {

@@ -60,6 +60,7 @@ std::string viewer_title(const TitleInput& input) {
   } else if (input.paused) {
     title += " | paused";
   }
+  if (input.extracting && (input.paused || input.at_end)) title += " | extracting";
   return title;
 }
 

@@ -69,6 +69,7 @@ struct TitleInput {
   Duration delay;
   double rate = 0;
   bool paused = false, at_end = false;
+  bool extracting = false;  ///< only told of where time stands: else it is always so
 };
 [[nodiscard]] std::string viewer_title(const TitleInput& input);
 /// The upper end of a plot's axis: the smallest of 1, 2, 5, 10, 20, 50 ... that is not below `greatest`.

@@ -81,10 +81,8 @@ void limit_to_monitor(int& width, int& height) {
   if (monitor == nullptr) return;
   int x = 0, y = 0, most_width = width, most_height = height;
   glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
-  const double scale =
-      std::min({1.0, static_cast<double>(most_width) / width, static_cast<double>(most_height) / height});
-  width = std::max(static_cast<int>(width * scale), 1);
-  height = std::max(static_cast<int>(height * scale), 1);
+  width = std::clamp(width, 1, std::max(most_width, 1));
+  height = std::clamp(height, 1, std::max(most_height, 1));
 }
 
 }  // namespace
@@ -259,6 +257,10 @@ void Window::draw(GLuint framebuffer, int frame_width, int frame_height, const A
   // Row 0 of the frame is its top, row 0 of the window its bottom.
   glBlitNamedFramebuffer(framebuffer, 0, 0, 0, frame_width, frame_height, x, top, x + frame_width, top - frame_height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void Window::set_swap_interval(int frames) {
+  glfwSwapInterval(frames);
 }
 
 void Window::swap() {

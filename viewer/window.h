@@ -67,6 +67,8 @@ class Window {
   };
   /// Draws a framebuffer (one sample a pixel, row 0 its top) into the middle of the area, the rest of the window black.
   void draw(GLuint framebuffer, int frame_width, int frame_height, const Area& area);
+  /// swap() waits for so many of the monitor's frames; to begin with, 1.
+  void set_swap_interval(int frames);
   /// Shows what was drawn. Throws WindowLost.
   void swap();
 

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -42,6 +44,13 @@ class ReplayWindow : public ::testing::Test {
   }
 
   std::string wait_for_title(const std::string& part) { return display_->wait_for_title(kWindow, part, kPatience); }
+  bool wait_for_title_end(const std::string& end) {
+    for (int i = 0; i < kPatience * 50 && !running_->wait(0.02); ++i) {
+      const std::string title = display_->title(kWindow).value_or("");
+      if (title.size() >= end.size() && title.compare(title.size() - end.size(), end.size(), end) == 0) return true;
+    }
+    return false;
+  }
   void press(const std::string& key) { display_->press(kWindow, key); }
 
   std::vector<fs::path> saved() const {
@@ -68,6 +77,8 @@ class ReplayWindow : public ::testing::Test {
     ASSERT_NE(title_seen.find(part), std::string::npos) << title_seen << "\n" << running_->standard_error(); \
   } while (false)
 
+#define ASSERT_TITLE_ENDS(part) ASSERT_TRUE(wait_for_title_end(part)) << display_->title(kWindow).value_or("no window")
+
 TEST_F(ReplayWindow, PlaysToTheEndAndQuits) {
   start({"--speed", "2"});
   ASSERT_TITLE_COMES("| end");
@@ -79,13 +90,17 @@ TEST_F(ReplayWindow, PlaysToTheEndAndQuits) {
 }
 
 TEST_F(ReplayWindow, WhatSSavesIsTheHeadlessPicture) {
-  start({"--speed", "1000"});
+  // So slowly that every picture is used, in the order in which headless replay uses them.
+  start({"--speed", "0.15", "--json", (out_ / "summary.json").string()});
   ASSERT_TITLE_COMES("| end");
+  ASSERT_TITLE_ENDS("| end");
+  press("s");
+  ASSERT_TRUE(wait_for_saved(1)) << running_->standard_error();
+  // After a step in time, textures are made anew from the newest picture backwards.
   press("Left");
   press("Left");
   ASSERT_TITLE_COMES("| 0.52 s");
-  press("s");
-  ASSERT_TRUE(wait_for_saved(1)) << running_->standard_error();
+  ASSERT_TITLE_ENDS("| paused");
   press("Tab");
   press("Tab");
   ASSERT_TITLE_COMES("| both |");
@@ -96,6 +111,8 @@ TEST_F(ReplayWindow, WhatSSavesIsTheHeadlessPicture) {
   ASSERT_TRUE(wait_for_saved(2)) << running_->standard_error();
   press("Escape");
   ASSERT_EQ(running_->wait(kPatience), 0) << running_->standard_error();
+  const nlohmann::json summary = nlohmann::json::parse(std::ifstream(out_ / "summary.json"));
+  EXPECT_EQ(summary["pictures_overwritten"], 0) << "this machine is too slow for this test";
 
   const TemporaryDirectory headless;
   for (const std::vector<std::string>& view : std::vector<std::vector<std::string>>{
@@ -106,20 +123,27 @@ TEST_F(ReplayWindow, WhatSSavesIsTheHeadlessPicture) {
     const test::Finished run = test::run_foreview(arguments);
     ASSERT_EQ(run.status, 0) << run.err;
   }
-  const std::string stem = "wall-";
-  for (const std::string mode : {"predicted", "both"}) {
-    std::vector<fs::path> pictures(fs::directory_iterator(headless / mode), fs::directory_iterator{});
+  struct Case {
+    const char* mode;
+    const char* saved;
+    std::size_t picture;
+    double difference;
+  };
+  // Another order of pictures rounds colours differently.
+  for (const Case& one : {Case{"predicted", "0.600s", 15, 0}, Case{"both", "0.520s", 13, 2}}) {
+    std::vector<fs::path> pictures(fs::directory_iterator(headless / one.mode), fs::directory_iterator{});
     std::sort(pictures.begin(), pictures.end());
     ASSERT_EQ(pictures.size(), 16U);
-    const cv::Mat expected = cv::imread(pictures[13].string());
-    const cv::Mat actual = cv::imread((out_ / ("foreview-wall-" + mode + "-0.520s.png")).string());
-    ASSERT_EQ(actual.size(), expected.size()) << mode;
-    EXPECT_EQ(cv::norm(actual, expected, cv::NORM_INF), 0) << mode;
+    const cv::Mat expected = cv::imread(pictures[one.picture].string());
+    const cv::Mat actual =
+        cv::imread((out_ / ("foreview-wall-" + std::string(one.mode) + "-" + one.saved + ".png")).string());
+    ASSERT_EQ(actual.size(), expected.size()) << one.mode;
+    EXPECT_LE(cv::norm(actual, expected, cv::NORM_INF), one.difference) << one.mode;
   }
 }
 
 TEST_F(ReplayWindow, ShowsTheFrameUprightWithItsAspectKept) {
-  start({"--speed", "1000", "--view", "delayed"});
+  start({"--speed", "100", "--view", "delayed"});
   ASSERT_TITLE_COMES("| end");
   for (const cv::Size size : {cv::Size(360, 240), cv::Size(500, 240), cv::Size(240, 400)}) {
     display_->resize(kWindow, size.width, size.height);

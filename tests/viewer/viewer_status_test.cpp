@@ -48,6 +48,10 @@ TEST(ViewerStatus, Title) {
   EXPECT_EQ(viewer_title(input), "foreview: workcell | split | 1.23 s | delay 500 ms | 50 fps | paused");
   input.at_end = true;
   EXPECT_EQ(viewer_title(input), "foreview: workcell | split | 1.23 s | delay 500 ms | 50 fps | end");
+  input.extracting = true;
+  EXPECT_EQ(viewer_title(input), "foreview: workcell | split | 1.23 s | delay 500 ms | 50 fps | end | extracting");
+  input.paused = input.at_end = false;
+  EXPECT_EQ(viewer_title(input), "foreview: workcell | split | 1.23 s | delay 500 ms | 50 fps");
 }
 
 TEST(ViewerStatus, PlotsEndAtRoundFigures) {

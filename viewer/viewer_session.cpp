@@ -1,0 +1,391 @@
+#include "foreview/viewer/viewer_session.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <future>
+#include <utility>
+
+#include "foreview/gpu/gl_objects.h"
+#include "foreview/server/recording_player.h"
+#include "foreview/viewer/interrupt.h"
+#include "foreview/viewer/picture_output.h"
+#include "foreview/viewer/viewer_stage.h"
+
+namespace foreview {
+namespace {
+
+constexpr double kSoftwareRate = 33, kGreatestRate = 60;  // hertz
+constexpr Duration kMessageTime{4'000'000'000};
+constexpr Duration kTitleInterval{200'000'000};
+constexpr Duration kSettled{700'000'000};  // nothing was extracted for so long: nothing more will come
+constexpr Duration kMemoryInterval{1'000'000'000};
+constexpr std::size_t kMostContextsLost = 3;
+
+bool is_software(const std::string& renderer) {
+  return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+}
+
+std::string renderer_of_current_context() {
+  const auto text = [](GLenum name) {
+    const auto* value = reinterpret_cast<const char*>(glGetString(name));
+    return std::string(value != nullptr ? value : "unknown");
+  };
+  return text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
+}
+
+class ViewerSession {
+ public:
+  explicit ViewerSession(const ViewerOptions& options)
+      : options_(options),
+        started_(steady_now()),
+        input_((window_.emplace("foreview", 960, 720), options.replay)),
+        span_(find_span(input_)),
+        clock_(clock_options()),
+        player_(input_.recording, input_.model, clock_, player_options()),
+        control_(control_options(), &clock_) {
+    status_.name = input_.recording.name();
+    status_.first = span_.first;
+    status_.last = span_.last;
+  }
+
+  ViewerSummary run() {
+    bool going = true;
+    while (going) {
+      try {
+        run_stage();
+        going = false;
+      } catch (const ContextLost& error) {
+        if (++summary_.contexts_lost > kMostContextsLost) throw;
+        spdlog::warn("{}: beginning anew with a new one", error.what());
+        clock_.seek(clock_.now().time);
+        say("the graphics context was lost; textures are made anew", true);
+        stage_.reset();
+        window_.reset();
+        window_.emplace("foreview", 960, 720);
+      }
+    }
+    stage_.reset();
+    wait_for_saving();
+    describe();
+    return summary_;
+  }
+
+ private:
+  // Beginning.
+
+  [[nodiscard]] PlaybackClock::Options clock_options() const {
+    PlaybackClock::Options result;
+    result.first = span_.first;
+    result.last = span_.last;
+    result.speed = options_.session.speed;
+    result.loop = options_.session.loop;
+    result.playing = false;  // until there is something to see
+    return result;
+  }
+
+  [[nodiscard]] RecordingPlayer::Options player_options() const {
+    RecordingPlayer::Options result;
+    result.link = options_.link;
+    result.camera = input_.camera;
+    std::size_t most = 0;
+    for (const Recording::Camera& camera : input_.recording.cameras()) most = std::max(most, camera.pictures.size());
+    result.history = options_.replay.history ? *options_.replay.history - 1 : most;
+    return result;
+  }
+
+  [[nodiscard]] ViewerControl::Options control_options() const {
+    ViewerControl::Options result;
+    result.choice = options_.session.choice;
+    result.link = options_.link;
+    result.pipeline = options_.replay.pipeline;
+    result.extraction = options_.replay.extraction;
+    const Recording::Camera& camera = input_.recording.cameras()[input_.camera];
+    for (const Recording::PictureEntry& picture : camera.pictures) {
+      if (picture.stamp >= span_.first && picture.stamp <= span_.last) result.steps.push_back(picture.stamp);
+    }
+    result.camera = camera.model.undistorted();
+    std::vector<Pose> poses;
+    for (const auto& sample : camera.world_from_camera.samples()) poses.push_back(sample.pose);
+    const auto state = player_.predicted_state(span_.first);
+    const std::vector<Pose> parts = state ? state->world_from_part : std::vector<Pose>(input_.model.parts().size());
+    result.surroundings = find_surroundings(input_.model, parts, poses);
+    return result;
+  }
+
+  [[nodiscard]] double wanted_rate() const {
+    if (options_.rate) return *options_.rate;
+    if (is_software(status_.renderer)) return kSoftwareRate;
+    const int monitor = window_->refresh_rate();
+    return monitor > 0 ? std::min(static_cast<double>(monitor), kGreatestRate) : kGreatestRate;
+  }
+
+  // Running.
+
+  void run_stage() {
+    status_.renderer = renderer_of_current_context();
+    stage_.emplace(*window_, input_, player_, control_);
+    applied_extraction_ = control_.settings().extraction;
+    if (!window_sized_) {
+      const FrameComposer::Size size = stage_->wanted_window();
+      window_->resize(size.width, size.height);
+      window_sized_ = true;
+    }
+    const bool waits = !is_software(status_.renderer);
+    window_->set_swap_interval(waits ? 1 : 0);
+    DisplayLoop::Options loop_options;
+    loop_options.period = Duration::from_seconds(1 / wanted_rate());
+    loop_options.present_waits = waits;
+    DisplayLoop::Callbacks callbacks;
+    callbacks.poll = [this] { return poll(); };
+    callbacks.draw = [this](const FrameMoment& moment) { draw(moment); };
+    callbacks.present = [this] { present(); };
+    callbacks.restart = [this] { stage_->scene().restart(); };
+    callbacks.frame_completed = [this](const FrameRecord& record) { note(record); };
+    DisplayLoop loop(stage_->scene().platform(), loop_options, stage_->scene().store(), player_, std::move(callbacks));
+    loop.set_extraction(&stage_->scene().extraction());
+    loop_ = &loop;
+    status_.last_frames.clear();
+    last_completed_.reset();
+    try {
+      while (loop.run_frame()) between_frames();
+    } catch (const WindowLost&) {
+      finish(loop);
+      throw;
+    }
+    finish(loop);
+  }
+
+  void finish(const DisplayLoop& loop) {
+    const DisplayLoop::Statistics statistics = loop.statistics();
+    const auto add = [](std::size_t& to, std::int64_t count) { to += static_cast<std::size_t>(count); };
+    add(summary_.frames, statistics.schedule.frames);
+    add(summary_.frames_late, statistics.schedule.late);
+    add(summary_.frames_skipped, statistics.schedule.skipped);
+    add(summary_.frames_missed, statistics.schedule.missed);
+    summary_.counters.pictures_extracted += statistics.pictures_finished;
+    summary_.counters.describe(stage_->scene().store());
+    loop_ = nullptr;
+    spdlog::debug("OpenGL objects: {} at the first picture, {} at the end", objects_at_first_, live_gl_objects());
+    if (const auto& directory = options_.replay.save_textures) {
+      in_extraction_context(stage_->scene().platform(), [&] { save_textures(stage_->scene().store(), *directory); });
+    }
+  }
+
+  bool poll() {
+    window_->poll_events();
+    for (const Window::Key& key : window_->take_keys()) {
+      // Function keys work wherever the keyboard is.
+      if (stage_->interface().wants_keys() && key.chord.key < KeyChord::f1) continue;
+      if (const auto action = action_of(key.chord, key.repeated)) control_.act(*action);
+    }
+    window_->set_full_screen(control_.settings().full_screen);
+    return !control_.quit() && !window_->close_requested() && !interrupted();
+  }
+
+  void draw(const FrameMoment& moment) {
+    if (window_->minimised()) return;
+    const Timestamp t = player_.time_at(moment.seen);
+    if (const std::uint64_t generation = player_.generation(); generation != generation_) {
+      generation_ = generation;
+      since_ = t;
+    }
+    update_status(moment, t);
+    stage_->draw(moment, t, since_, status_);
+    drawn_ = true;
+    if (control_.take_save_request()) save(t);
+  }
+
+  void present() {
+    if (!std::exchange(drawn_, false)) return;
+    window_->swap();
+    if (std::exchange(first_, false)) {
+      spdlog::debug("first picture after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
+      objects_at_first_ = live_gl_objects();
+      clock_.play();
+    }
+  }
+
+  /// What must not happen while a frame is being drawn.
+  void between_frames() {
+    const ViewerControl::Settings& settings = control_.settings();
+    if (settings.link != player_.link()) player_.set_link(settings.link);
+    apply_extraction();
+    if (control_.take_copy_request()) copy_command();
+    if (saving_.valid() && saving_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) wait_for_saving();
+    set_title();
+  }
+
+  void apply_extraction() {
+    const ExtractionOptions& wanted = control_.settings().extraction;
+    if (wanted == applied_extraction_ || stage_->interface().is_editing() || loop_->is_extracting()) return;
+    const Timestamp begun = steady_now();
+    try {
+      loop_->set_extraction(nullptr);
+      stage_->set_extraction(wanted);
+      char text[80];
+      std::snprintf(text, sizeof text, "extraction changed (%.0f ms)", (steady_now() - begun).seconds() * 1e3);
+      say(text);
+    } catch (const InputError& error) {
+      say(error.what(), true);
+      control_.settings().extraction = applied_extraction_;
+    }
+    loop_->set_extraction(&stage_->scene().extraction());
+    applied_extraction_ = control_.settings().extraction;
+  }
+
+  // Telling.
+
+  void say(const std::string& text, bool is_error = false) {
+    status_.message = text;
+    status_.message_is_error = is_error;
+    said_ = steady_now();
+  }
+
+  void note(const FrameRecord& record) {
+    if (last_completed_) {
+      const double passed = (record.completed - *last_completed_).seconds();
+      status_.last_frames.push_back({static_cast<float>(passed * 1e3), record.completed > record.due});
+      if (status_.last_frames.size() > ViewerStatus::kFrames) status_.last_frames.pop_front();
+    }
+    last_completed_ = record.completed;
+  }
+
+  void update_status(const FrameMoment& moment, Timestamp t) {
+    const DisplayLoop::Statistics statistics = loop_->statistics();
+    status_.now = t;
+    status_.newest_picture.reset();
+    if (moment.newest != nullptr) status_.newest_picture = moment.newest->record.captured;
+    status_.extracting = loop_->is_extracting();
+    status_.rate_wanted = 1 / statistics.period.seconds();
+    status_.rate_reached = statistics.frames_per_second;
+    status_.frames = static_cast<std::size_t>(statistics.schedule.frames);
+    status_.frames_late = static_cast<std::size_t>(statistics.schedule.late);
+    status_.frames_skipped = static_cast<std::size_t>(statistics.schedule.skipped);
+    status_.frames_missed = static_cast<std::size_t>(statistics.schedule.missed);
+    status_.pictures_per_second = statistics.pictures_per_second;
+    status_.last_pictures.clear();
+    const auto& pictures = statistics.last_pictures;
+    const std::size_t skipped = pictures.size() - std::min(pictures.size(), ViewerStatus::kPictures);
+    for (std::size_t i = skipped; i < pictures.size(); ++i) {
+      ViewerStatus::Picture picture;
+      for (std::size_t step = 0; step < kExtractionSteps; ++step) {
+        picture.step_ms[step] = static_cast<float>(pictures[i].step_ms[step]);
+      }
+      picture.total_ms = static_cast<float>((pictures[i].finished - pictures[i].begun).seconds() * 1e3);
+      status_.last_pictures.push_back(picture);
+    }
+    status_.source = player_.status();
+    status_.texture_bytes = stage_->scene().store().memory_bytes();
+    status_.truth_known = stage_->truth_known();
+    if (!memory_asked_ || moment.now - *memory_asked_ > kMemoryInterval) {
+      memory_asked_ = moment.now;
+      status_.process_bytes = resident_bytes();
+    }
+    if (!status_.message.empty() && moment.now - said_ > kMessageTime) status_.message.clear();
+  }
+
+  void set_title() {
+    const Timestamp now = steady_now();
+    if (titled_ && now - *titled_ < kTitleInterval) return;
+    titled_ = now;
+    TitleInput title;
+    title.name = status_.name;
+    title.mode = control_.settings().choice.mode;
+    title.since_first = clock_.now().time - span_.first;
+    title.delay = control_.settings().link.delay;
+    title.rate = loop_->statistics().frames_per_second;
+    title.paused = !clock_.playing();
+    title.at_end = clock_.at_end();
+    // Between two pictures it is idle for a moment.
+    if (loop_->is_extracting() || clock_.now().generation != settled_generation_) {
+      extracted_ = now;
+      settled_generation_ = clock_.now().generation;
+    }
+    title.extracting = now - extracted_ < kSettled;
+    window_->set_title(viewer_title(title));
+  }
+
+  void copy_command() { say("not yet"); }
+
+  // Saving.
+
+  void save(Timestamp t) {
+    wait_for_saving();
+    const cv::Mat picture = stage_->take_picture();
+    if (picture.empty()) return;
+    char time[32];
+    std::snprintf(time, sizeof time, "%.3fs", (t - input_.recording.first_stamp(input_.camera)).seconds());
+    const std::string stem = "foreview-" + status_.name + "-" + to_string(control_.settings().choice.mode) + "-" + time;
+    std::filesystem::path file = options_.session.out / (stem + ".png");
+    for (int i = 2; std::filesystem::exists(file); ++i) {
+      file = options_.session.out / (stem + "-" + std::to_string(i) + ".png");
+    }
+    // Compressing takes longer than a frame.
+    saving_ = std::async(std::launch::async, [file, picture] {
+      write_png(file, picture);
+      return file.string();
+    });
+  }
+
+  void wait_for_saving() {
+    if (!saving_.valid()) return;
+    try {
+      const std::string file = saving_.get();
+      ++summary_.pictures_written;
+      spdlog::info("saved {}", file);
+      say("saved " + file);
+    } catch (const InputError& error) {
+      spdlog::error("{}", error.what());  // no reason to lose the window and its textures
+      say(error.what(), true);
+    }
+  }
+
+  void describe() {
+    const Timestamp start = input_.recording.first_stamp(input_.camera);
+    summary_.recording = input_.recording.name();
+    summary_.camera = input_.recording.cameras()[input_.camera].model.name;
+    summary_.from_seconds = (span_.first - start).seconds();
+    summary_.to_seconds = (span_.last - start).seconds();
+    summary_.source = player_.status();
+    summary_.counters.pictures_overwritten = summary_.source.overwritten;
+    summary_.counters.pictures_damaged = summary_.source.damaged;
+  }
+
+  const ViewerOptions& options_;
+  const Timestamp started_;
+  std::optional<Window> window_;
+  ReplayInput input_;
+  ReplaySpan span_;
+  PlaybackClock clock_;
+  RecordingPlayer player_;
+  ViewerControl control_;
+  ViewerStatus status_;
+  std::optional<ViewerStage> stage_;
+  DisplayLoop* loop_ = nullptr;
+  ExtractionOptions applied_extraction_;
+  ViewerSummary summary_;
+
+  bool window_sized_ = false, first_ = true, drawn_ = false;
+  long objects_at_first_ = 0;
+  std::uint64_t generation_ = ~std::uint64_t{0};
+  Timestamp since_;  ///< display time since which pictures have been waited for
+  Timestamp said_, extracted_;
+  std::uint64_t settled_generation_ = 0;
+  std::optional<Timestamp> last_completed_, memory_asked_, titled_;
+  std::future<std::string> saving_;
+};
+
+}  // namespace
+
+ViewerSummary view_recording(const ViewerOptions& options) {
+  const long objects = live_gl_objects();
+  ViewerSummary summary = ViewerSession(options).run();
+  if (live_gl_objects() != objects) {
+    spdlog::warn("{} OpenGL objects were not given back", live_gl_objects() - objects);
+  }
+  return summary;
+}
+
+}  // namespace foreview

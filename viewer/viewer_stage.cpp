@@ -1,0 +1,124 @@
+#include "foreview/viewer/viewer_stage.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "foreview/viewer/gl_debug.h"
+#include "foreview/viewer/panels.h"
+
+namespace foreview {
+namespace {
+
+constexpr int kSmallestWidth = 640;  // small pictures are enlarged to about this
+
+LiveScene::Options scene_options(const ReplayInput& input, const ExtractionOptions& extraction) {
+  LiveScene::Options options;
+  options.pipeline = input.options.pipeline;
+  options.extraction = extraction;
+  options.charts = input.charts;
+  options.initial_textures =
+      input.options.load_textures ? input.options.load_textures : input.recording.initial_textures();
+  options.initial_textures_must_fit = input.options.load_textures.has_value();
+  options.debug = gl_debug_from_environment() != GlDebug::off;
+  return options;
+}
+
+}  // namespace
+
+ViewerStage::ViewerStage(Window& window, const ReplayInput& input, RecordingPlayer& player, ViewerControl& control)
+    : window_(window),
+      input_(input),
+      player_(player),
+      control_(control),
+      interface_(window),
+      scene_(input.model, scene_options(input, control.settings().extraction), window.egl_display(),
+             window.egl_context(), [&window] { window.make_current(); }),
+      view_(scene_.store()),
+      frames_(player, input.camera, &input.recording),
+      camera_model_(input.recording.cameras()[input.camera].model.undistorted()) {
+  composer_.emplace(view_, input.recording.cameras()[input.camera].model, control.settings().extraction.near_plane);
+}
+
+FrameComposer::Size ViewerStage::wanted_window() const {
+  const FrameComposer::Size native = composer_->native_size(control_.settings().choice.mode);
+  const int enlarged = std::max(1, kSmallestWidth / std::max(native.width, 1));
+  FrameComposer::Size size{native.width * enlarged, native.height * enlarged};
+  if (control_.settings().panels) {
+    size.width += static_cast<int>(std::lround(side_panel_width(interface_.em())));
+    size.height += static_cast<int>(std::lround(timeline_height(interface_.em())));
+  }
+  return size;
+}
+
+void ViewerStage::take_in_mouse() {
+  const PointerState pointer = interface_.pointer();
+  FramePointer frame;
+  const glm::dvec2 corner{view_area_.x + (view_area_.width - frame_size_.width) / 2,
+                          view_area_.y + (view_area_.height - frame_size_.height) / 2};
+  // Side by side, the mouse looks at the picture that it is over.
+  const int columns = view_columns(control_.settings().choice.mode);
+  frame.frame_size = {frame_size_.width / columns, frame_size_.height};
+  frame.position = pointer.position - corner;
+  frame.over_frame = pointer.over_view && frame.position.x >= 0 && frame.position.y >= 0 &&
+                     frame.position.x < frame_size_.width && frame.position.y < frame_size_.height;
+  frame.left = pointer.left;
+  frame.right = pointer.right;
+  frame.left_pressed = pointer.left_pressed && frame.over_frame;
+  frame.right_pressed = pointer.right_pressed && frame.over_frame;
+  frame.shift = pointer.shift;
+  frame.wheel = pointer.wheel;
+  if (control_.over_split(frame)) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  control_.point(frame);
+}
+
+void ViewerStage::advance_camera(const FrameMoment& moment, Timestamp t) {
+  const double passed = advanced_to_ ? (moment.now - *advanced_to_).seconds() : 0;
+  advanced_to_ = moment.now;
+  control_.hold(interface_.wants_keys() ? std::bitset<kMoveKeys>{} : window_.held_moves());
+  const Timestamp now = player_.time_at(moment.now);
+  const auto recorded_now = player_.predicted_state(now), recorded_then = player_.predicted_state(t);
+  if (!recorded_then) return;
+  // Long pauses (a menu of the window system, a debugger) are no movement.
+  constexpr double kLongest = 0.25;
+  control_.advance(std::clamp(passed, 0.0, kLongest),
+                   (recorded_now ? *recorded_now : *recorded_then).world_from_camera);
+  camera_ = control_.camera().pose_ahead((moment.seen - moment.now).seconds(), recorded_then->world_from_camera);
+}
+
+void ViewerStage::draw(const FrameMoment& moment, Timestamp t, Timestamp since, const ViewerStatus& status) {
+  interface_.begin();
+  if (control_.take_enter_request()) interface_.enter();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  layout_ = lay_out_panels(size.x, size.y, interface_.em(), control_.settings().panels);
+  const float pixels = size.x > 0 ? static_cast<float>(window_.width()) / size.x : 1;
+  view_area_ = {0, 0, std::max(static_cast<int>(layout_.view.width * pixels), 1),
+                std::max(static_cast<int>(layout_.view.height * pixels), 1)};
+  const ViewChoice& choice = control_.settings().choice;
+  frame_size_ = composer_->fitting_size(choice.mode, view_area_.width, view_area_.height);
+  take_in_mouse();
+  advance_camera(moment, t);
+  show_panels({control_, status, interface_.em()}, layout_);
+
+  // After the panels, whose sliders it shows at once; mode and size are as the panels left them.
+  frame_size_ = composer_->fitting_size(choice.mode, view_area_.width, view_area_.height);
+  shown_ = &frames_.at(t, since, moment, choice, camera_);
+  composer_->compose(*shown_, choice, frame_size_);
+  window_.draw(composer_->framebuffer(), frame_size_.width, frame_size_.height, view_area_);
+  interface_.end();
+}
+
+cv::Mat ViewerStage::take_picture() {
+  if (shown_ == nullptr) return {};
+  const ViewChoice& choice = control_.settings().choice;
+  composer_->compose(*shown_, choice, composer_->native_size(choice.mode));
+  return composer_->read();
+}
+
+void ViewerStage::set_extraction(const ExtractionOptions& options) {
+  scene_.replace_extraction(options);
+  composer_.emplace(view_, input_.recording.cameras()[input_.camera].model, options.near_plane);
+}
+
+}  // namespace foreview

@@ -1,0 +1,64 @@
+#pragma once
+#include <optional>
+
+#include "foreview/server/recording_player.h"
+#include "foreview/viewer/display_loop.h"
+#include "foreview/viewer/frame_composer.h"
+#include "foreview/viewer/interface.h"
+#include "foreview/viewer/live_frames.h"
+#include "foreview/viewer/live_scene.h"
+#include "foreview/viewer/panel_layout.h"
+#include "foreview/viewer/predicted_view.h"
+#include "foreview/viewer/replay_input.h"
+#include "foreview/viewer/viewer_control.h"
+#include "foreview/viewer/viewer_status.h"
+#include "foreview/viewer/window.h"
+
+namespace foreview {
+
+/// Everything of the viewer that lives in graphics contexts: textures, views, panels. Made anew after a context was
+/// lost; what the user has set outlives it.
+class ViewerStage {
+ public:
+  /// All must outlive the stage; the window's context is current.
+  ViewerStage(Window& window, const ReplayInput& input, RecordingPlayer& player, ViewerControl& control);
+
+  [[nodiscard]] LiveScene& scene() { return scene_; }
+  [[nodiscard]] Interface& interface() { return interface_; }
+  /// Size of the window for a picture in its own size, or enlarged if that is small, with the panels beside it.
+  [[nodiscard]] FrameComposer::Size wanted_window() const;
+
+  /// One frame: takes in the mouse, draws panels and view. `t`: display time when the frame will be seen; `since`: see
+  /// LiveFrames::at().
+  void draw(const FrameMoment& moment, Timestamp t, Timestamp since, const ViewerStatus& status);
+  [[nodiscard]] bool truth_known() const { return frames_.truth_known(); }
+
+  /// The last frame again, in the camera's own size, read back: CV_8UC3 BGR; empty before the first frame.
+  [[nodiscard]] cv::Mat take_picture();
+  /// Other extraction options from the next picture on. Nothing may be being extracted.
+  void set_extraction(const ExtractionOptions& options);
+
+ private:
+  void take_in_mouse();
+  void advance_camera(const FrameMoment& moment, Timestamp t);
+
+  Window& window_;
+  const ReplayInput& input_;
+  RecordingPlayer& player_;
+  ViewerControl& control_;
+  Interface interface_;
+  LiveScene scene_;
+  PredictedView view_;
+  std::optional<FrameComposer> composer_;
+  LiveFrames frames_;
+  CameraModel camera_model_;  ///< without distortion
+  PanelLayout layout_;
+  Window::Area view_area_;  ///< pixels
+  FrameComposer::Size frame_size_;
+  FrameInput* shown_ = nullptr;
+  std::optional<Timestamp> advanced_to_;  ///< steady clock
+  Pose camera_;
+  bool hand_cursor_ = false;
+};
+
+}  // namespace foreview
