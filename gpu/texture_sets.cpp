@@ -11,6 +11,12 @@
 
 namespace foreview {
 
+namespace {
+
+constexpr std::int64_t kLongestTime = 2'147'000'000;  // milliseconds, 24 days: what 32 bits hold
+
+}  // namespace
+
 TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing)
     : layout_(layout), polygons_(polygons), publishing_(publishing), sets_(set_count(publishing)) {
   while (glGetError() != GL_NO_ERROR) {
@@ -30,6 +36,8 @@ TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publis
                          GL_DYNAMIC_STORAGE_BIT);
     set.exposure = GlBuffer::create();
     glNamedBufferStorage(set.exposure.id(), sizeof(Exposure), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    set.capture_times = make_texture_2d_array(GL_R32I, layout_.page_size / kChartAlignment,
+                                              layout_.page_size / kChartAlignment, static_cast<int>(layout_.pages));
     clear(set);
   }
   // The first set is what there is to show before the first picture; the others are free.
@@ -52,7 +60,9 @@ TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publis
 TextureSets::~TextureSets() = default;
 
 std::size_t TextureSets::memory_bytes() const {
-  return sets_.size() * (layout_.memory_bytes + polygons_ * 4 * sizeof(float));
+  const auto blocks = static_cast<std::size_t>(layout_.page_size / kChartAlignment);
+  return sets_.size() * (layout_.memory_bytes + polygons_ * 4 * sizeof(float) +
+                         layout_.pages * blocks * blocks * sizeof(std::int32_t));
 }
 
 void TextureSets::clear(const Set& set) {
@@ -63,6 +73,31 @@ void TextureSets::clear(const Set& set) {
   glClearNamedBufferData(set.polygon_states.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, kUnseen.data());
   constexpr Exposure kAsTheyAre;
   glNamedBufferSubData(set.exposure.id(), 0, sizeof kAsTheyAre, &kAsTheyAre);
+  forget_capture_times(set);
+}
+
+void TextureSets::forget_capture_times(const Set& set) {
+  constexpr std::int32_t kNever = kNeverCaptured;
+  glClearTexImage(set.capture_times.id(), 0, GL_RED_INTEGER, GL_INT, &kNever);
+}
+
+void TextureSets::clear() {
+  clear(sets_[current_]);
+  newest_capture_.reset();
+  epoch_.reset();
+}
+
+void TextureSets::forget_capture_times() {
+  forget_capture_times(sets_[current_]);
+  newest_capture_.reset();
+  epoch_.reset();
+}
+
+std::int32_t TextureSets::capture_time_of(Timestamp stamp) {
+  if (!epoch_) epoch_ = stamp;
+  // Each by itself: the difference of two arbitrary stamps need not fit.
+  const std::int64_t milliseconds = stamp.nanoseconds / 1'000'000 - epoch_->nanoseconds / 1'000'000;
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(milliseconds, -kLongestTime, kLongestTime));
 }
 
 void TextureSets::poll(Fences& done) {
@@ -133,6 +168,10 @@ void TextureSets::bring_up_to_date(std::size_t set, std::size_t newest) {
   glCopyNamedBufferSubData(sets_[newest].polygon_states.id(), sets_[set].polygon_states.id(), 0, 0,
                            static_cast<GLsizeiptr>(polygons_ * 4 * sizeof(float)));
   glCopyNamedBufferSubData(sets_[newest].exposure.id(), sets_[set].exposure.id(), 0, 0, sizeof(Exposure));
+  // All of it, less than a hundredth of the pages: cheaper than a command for each chart.
+  const int blocks = layout_.page_size / kChartAlignment;
+  glCopyImageSubData(sets_[newest].capture_times.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, sets_[set].capture_times.id(),
+                     GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, blocks, blocks, static_cast<GLsizei>(layout_.pages));
 }
 
 void TextureSets::forget_stale(Set& set) {
@@ -181,12 +220,16 @@ void TextureSets::touch_all() {
   touching_all_ = true;
 }
 
-void TextureSets::end(const std::vector<std::uint32_t>& touched, bool is_picture) {
+void TextureSets::end(const std::vector<std::uint32_t>& touched, bool is_picture,
+                      const std::optional<Timestamp>& captured) {
   assert(writing_);
   writing_ = false;
   if (is_picture) ++pictures_;
+  newest_capture_ = std::max(newest_capture_, captured);  // none is less than any
   if (publishing_ == Publishing::direct) {
     sets_[0].picture = pictures_;
+    sets_[0].newest_capture = newest_capture_;
+    sets_[0].epoch = epoch();
     touching_all_ = false;
     return;
   }
@@ -207,6 +250,8 @@ void TextureSets::end(const std::vector<std::uint32_t>& touched, bool is_picture
   Set& set = sets_[current_];
   set.turn = sets_[newest_].turn + 1;
   set.picture = pictures_;
+  set.newest_capture = newest_capture_;
+  set.epoch = epoch();
   set.written = std::move(fence);
   newest_ = current_;
 }
@@ -219,7 +264,8 @@ TextureSets::Shown TextureSets::acquire() {
     shown_ = newest_complete();
   }
   const Set& set = sets_[shown_];
-  return {set.pages.id(), set.polygon_states.id(), set.exposure.id(), set.picture};
+  return {set.pages.id(), set.polygon_states.id(), set.exposure.id(), set.capture_times.id(),
+          set.picture,    set.newest_capture,      set.epoch};
 }
 
 void TextureSets::release() {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "foreview/gpu/gl_objects.h"
 #include "foreview/gpu/page_copier.h"
 #include "foreview/scene/chart_layout.h"
+#include "foreview/scene/timestamp.h"
 
 namespace foreview {
 
@@ -23,6 +25,9 @@ enum class Publishing {
 [[nodiscard]] constexpr std::size_t set_count(Publishing publishing) {
   return publishing == Publishing::direct ? 1 : 3;
 }
+
+/// A time of capture that is none; in shaders the same in capture_times.glsl.
+inline constexpr std::int32_t kNeverCaptured = std::numeric_limits<std::int32_t>::min();
 
 /// The sets of textures behind a TextureStore, and who may use which. Textures are created once; while running, only
 /// fences come and go.
@@ -47,6 +52,7 @@ class TextureSets {
   [[nodiscard]] GLuint pages() const { return sets_[current_].pages.id(); }
   [[nodiscard]] GLuint polygon_states() const { return sets_[current_].polygon_states.id(); }
   [[nodiscard]] GLuint exposure() const { return sets_[current_].exposure.id(); }
+  [[nodiscard]] GLuint capture_times() const { return sets_[current_].capture_times.id(); }
   [[nodiscard]] bool is_writing() const { return writing_; }
   [[nodiscard]] Publishing publishing() const { return publishing_; }
   [[nodiscard]] std::uint64_t pictures_ended() const { return pictures_; }
@@ -61,17 +67,25 @@ class TextureSets {
   [[nodiscard]] bool has_free_set();
   void wait_for_free_set();
   /// Ends what begin() began; `touched` are the polygons whose charts were written. `is_picture`: Shown counts it.
-  void end(const std::vector<std::uint32_t>& touched, bool is_picture);
+  void end(const std::vector<std::uint32_t>& touched, bool is_picture, const std::optional<Timestamp>& captured = {});
+  /// See TextureStore::capture_time_of().
+  [[nodiscard]] std::int32_t capture_time_of(Timestamp stamp);
+  [[nodiscard]] Timestamp epoch() const { return epoch_.value_or(Timestamp()); }
   /// From now to the end, every chart counts as touched.
   void touch_all();
-  /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1, in the set that pages() means.
-  void clear() { clear(sets_[current_]); }
+  /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1, no time of capture, in the set
+  /// that pages() means.
+  void clear();
+  /// No time of capture in the set that pages() means.
+  void forget_capture_times();
 
   // Display's side: one thread, its context current.
 
   struct Shown {
-    GLuint pages = 0, polygon_states = 0, exposure = 0;
+    GLuint pages = 0, polygon_states = 0, exposure = 0, capture_times = 0;
     std::uint64_t picture = 0;
+    std::optional<Timestamp> newest_capture;
+    Timestamp epoch;
   };
   Shown acquire();
   void release();
@@ -82,7 +96,7 @@ class TextureSets {
  private:
   struct Set {
     // Fixed after construction.
-    GlTexture pages;
+    GlTexture pages, capture_times;
     GlBuffer polygon_states, exposure;
     // Extraction's own: the groups whose charts changed since this set was last written.
     std::vector<std::uint32_t> stale;
@@ -91,6 +105,8 @@ class TextureSets {
     // Both sides', guarded by the mutex.
     std::uint64_t turn = 0;     ///< when it was last written: larger is newer
     std::uint64_t picture = 0;  ///< Shown::picture
+    std::optional<Timestamp> newest_capture;
+    Timestamp epoch;
     bool complete = false;
     std::shared_ptr<GlFence> written;  ///< behind its picture, until it is known to have passed
     std::shared_ptr<GlFence> read;     ///< behind the last frame that read it, until it is known to have passed
@@ -103,6 +119,7 @@ class TextureSets {
 
   void bring_up_to_date(std::size_t set, std::size_t newest);
   static void forget_stale(Set& set);
+  static void forget_capture_times(const Set& set);
   static void clear(const Set& set);
 
   const ChartLayout& layout_;
@@ -115,6 +132,7 @@ class TextureSets {
   std::size_t current_ = 0;  ///< being written, else newest
   bool writing_ = false, touching_all_ = false;
   std::uint64_t pictures_ = 0;
+  std::optional<Timestamp> newest_capture_, epoch_;
 
   // Guarded by the mutex.
   mutable std::mutex mutex_;

@@ -117,8 +117,18 @@ void TextureStore::wait_for_free_set() {
   sets_->wait_for_free_set();
 }
 
-void TextureStore::end_picture(const std::vector<std::uint32_t>& touched_polygons) {
-  sets_->end(touched_polygons, true);
+void TextureStore::end_picture(const std::vector<std::uint32_t>& touched_polygons,
+                               const std::optional<Timestamp>& captured) {
+  sets_->end(touched_polygons, true, captured);
+}
+
+void TextureStore::set_capture_time(const std::vector<std::uint32_t>& polygons, std::int32_t time) {
+  for (const std::uint32_t polygon : polygons) {
+    const Chart& chart = layout_.charts[polygon];
+    const glm::ivec2 first = chart.origin / kChartAlignment, size = chart.size / kChartAlignment;
+    glClearTexSubImage(capture_times(), 0, first.x, first.y, static_cast<GLint>(chart.page), size.x, size.y, 1,
+                       GL_RED_INTEGER, GL_INT, &time);
+  }
 }
 
 template <class Write>
@@ -245,6 +255,18 @@ Exposure TextureStore::read_exposure() const {
   return result;
 }
 
+std::vector<cv::Mat> TextureStore::read_capture_times() const {
+  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+  const int blocks = layout_.page_size / kChartAlignment;
+  std::vector<cv::Mat> result;
+  for (std::uint32_t page = 0; page < layout_.pages; ++page) {
+    cv::Mat& times = result.emplace_back(blocks, blocks, CV_32S);
+    glGetTextureSubImage(capture_times(), 0, 0, 0, static_cast<GLint>(page), blocks, blocks, 1, GL_RED_INTEGER, GL_INT,
+                         static_cast<GLsizei>(times.total() * sizeof(std::int32_t)), times.data);
+  }
+  return result;
+}
+
 TextureStore::Contents TextureStore::read_as_shown() const {
   Contents contents{read_pages(), read_polygon_states()};
   const Exposure exposure = read_exposure();
@@ -282,6 +304,7 @@ void TextureStore::write_pages(const std::vector<cv::Mat>& new_pages, const std:
                          states.data());
     constexpr Exposure kAsTheyAre;
     glNamedBufferSubData(exposure(), 0, sizeof kAsTheyAre, &kAsTheyAre);
+    sets_->forget_capture_times();
     std::vector<std::uint32_t> all(model_.polygons().size());
     std::iota(all.begin(), all.end(), 0U);
     update_levels(all);

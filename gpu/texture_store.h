@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "foreview/gpu/exposure.h"
@@ -53,6 +54,21 @@ class TextureStore {
   /// extraction writes something else.
   [[nodiscard]] GLuint exposure() const { return sets_->exposure(); }
 
+  /// When what the charts show was captured: GL_TEXTURE_2D_ARRAY, R32I, one texel for each block of kChartAlignment x
+  /// kChartAlignment texels of the pages (x / kChartAlignment, y / kChartAlignment, page): the stamp of the newest
+  /// picture of which the block took its colours, in milliseconds since epoch(), or kNeverCaptured. Of textures that
+  /// were loaded no time is known. Shaders look it up with capture_times.glsl.
+  /// The batched pipeline asks for one texel of the block, the one nearest to its middle that lies in a polygon; the
+  /// per-polygon pipeline says when it wrote the polygon last.
+  [[nodiscard]] GLuint capture_times() const { return sets_->capture_times(); }
+  /// A stamp as capture_times() has it. The first one asked for since the store was made, cleared or
+  /// loaded becomes the epoch; what is more than 24 days away
+  /// from that counts as 24 days.
+  [[nodiscard]] std::int32_t capture_time_of(Timestamp stamp) { return sets_->capture_time_of(stamp); }
+  [[nodiscard]] Timestamp epoch() const { return sets_->epoch(); }
+  /// Sets the blocks of these polygons' charts to a time of capture, in the set being written.
+  void set_capture_time(const std::vector<std::uint32_t>& polygons, std::int32_t time);
+
   /// Chooses a free set and brings it up to what the newest one holds (it copies what changed since the set was last
   /// written); from here to end_picture() it is the set that pages() means. False, and nothing done, if there is none
   /// free: the display still reads both sets that are not the newest, or extraction is two pictures ahead of the GPU.
@@ -68,14 +84,16 @@ class TextureStore {
   /// must have barriers behind them, for buffer updates too, as update_levels() and spread_to_never_seen() leave them.
   /// (None is issued here: a software rasteriser takes any barrier for a reason to finish all drawing, the display's
   /// too.)
-  void end_picture(const std::vector<std::uint32_t>& touched_polygons);
+  /// `captured` is the picture's stamp, for Shown::newest_capture.
+  void end_picture(const std::vector<std::uint32_t>& touched_polygons, const std::optional<Timestamp>& captured = {});
   /// How begin_picture() copies, with `buffered`: for tests and measurements. The result is the same, bit by bit.
   void set_copy_method(PageCopier::Method method) { sets_->copier().set_method(method); }
   [[nodiscard]] PageCopier::Method copy_method() const { return sets_->copier().method(); }
   /// Calls of end_picture() so far.
   [[nodiscard]] std::uint64_t pictures_ended() const { return sets_->pictures_ended(); }
 
-  /// The display's side. `picture`: pictures_ended() of what is shown; 0 before the first one.
+  /// The display's side. `picture`: pictures_ended() of what is shown; 0 before the first one. `newest_capture`: the
+  /// greatest stamp of the pictures in it, since it was last cleared or loaded; `epoch`: that of capture_times.
   using Shown = TextureSets::Shown;
   /// What to draw a frame with: the newest picture that the GPU has carried out. Never waits. The pages and states must
   /// be bound anew after each acquire(), even if they are the same as before: else GL does not promise to show what
@@ -104,20 +122,23 @@ class TextureStore {
   /// on the seen polygons' states only. No read-back and no wait; costs a pass for each rim that there is.
   void spread_to_never_seen(unsigned max_rims);
   static constexpr unsigned kRimsPerPicture = 16;
-  /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1.
+  /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1, no time of capture.
   void clear();
 
   /// Whole pages as CV_8UC4, BGRA order, level 0, as they are kept: exposure() is not in them.
   [[nodiscard]] std::vector<cv::Mat> read_pages() const;
   [[nodiscard]] std::vector<PolygonState> read_polygon_states() const;
   [[nodiscard]] Exposure read_exposure() const;
+  /// capture_times(), CV_32S, one a page.
+  [[nodiscard]] std::vector<cv::Mat> read_capture_times() const;
   /// Pages and states with the colours that are shown, and so for an exposure of 1.
   struct Contents {
     std::vector<cv::Mat> pages;
     std::vector<PolygonState> states;
   };
   [[nodiscard]] Contents read_as_shown() const;
-  /// Replaces all: pages as read_pages() gives them (levels are rebuilt), and the states; the exposure becomes 1.
+  /// Replaces all: pages as read_pages() gives them (levels are rebuilt), and the states; the exposure becomes 1, and
+  /// no time of capture is known.
   void write_pages(const std::vector<cv::Mat>& pages, const std::vector<PolygonState>& states);
   /// Texels of level 0 with alpha 1, by read-back: for statistics and tests.
   [[nodiscard]] std::size_t count_observed_texels() const;

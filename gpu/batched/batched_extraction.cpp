@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "foreview/gpu/batched/capture_marker.h"
 #include "foreview/gpu/batched/chart_geometry.h"
 #include "foreview/gpu/batched/chart_pyramid.h"
 #include "foreview/gpu/batched/chart_tables.h"
@@ -63,6 +64,7 @@ struct BatchedExtraction::State {
         patches(geometry, tables, store.layout().page_size),
         pages(store),
         gatherer(geometry, store.layout()),
+        marker(store.model(), store.layout(), geometry),
         pyramid(store, tables, patches, pages),
         newest(store.layout().groups.size()),
         is_late(store.layout().groups.size()),
@@ -100,6 +102,7 @@ struct BatchedExtraction::State {
   PatchLists patches;
   PageTargets pages;
   Gatherer gatherer;
+  CaptureMarker marker;
   ChartPyramid pyramid;
   std::optional<ExposureEstimator> exposure;  ///< none: off
   std::optional<Timestamp> newest_of_all;
@@ -157,6 +160,8 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
   }
   s.gatherer.gather(s.setup, s.is_late, camera, near_plane, s.undistorter.texture(), s.store.exposure(), s.bounds,
                     s.patches, s.pages.level(0).targets);
+  s.marker.mark(s.store.capture_times(), s.store.capture_time_of(frame.state.stamp), s.setup, s.is_late, camera,
+                near_plane, s.bounds, s.patches);
   clock.lap(ExtractionStep::normalisation);
   s.pyramid.pull(charts);
   s.pyramid.push();
@@ -173,7 +178,7 @@ ExtractionStatistics BatchedExtraction::extract(const CameraFrame& frame) {
     const auto members = s.store.layout().members_of(s.store.layout().groups[chart]);
     s.touched.insert(s.touched.end(), members.begin(), members.end());
   }
-  s.store.end_picture(s.touched);
+  s.store.end_picture(s.touched, frame.state.stamp);
   clock.lap(ExtractionStep::publishing);
   s.last_camera = camera;
 

@@ -142,8 +142,8 @@ void ChartPyramid::write_states(GLuint polygon_states) {
   glBindTextureUnit(0, pulled_.back().texture.id());
   glDispatchCompute(static_cast<GLuint>((store_.model().polygons().size() + 63) / 64), 1, 1);
   count_draw();
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                  GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                  GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
 }
 
 std::vector<cv::Mat> ChartPyramid::read_pulled(int level) const {

@@ -1,6 +1,7 @@
 #include "foreview/gpu/batched/patch_lists.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
 
 #include "foreview/gpu/draw_tally.h"
@@ -30,7 +31,7 @@ PatchLists::PatchLists(const ChartGeometry& geometry, const ChartTables& tables,
       touch_(make_compute_program("batched_touch.comp.glsl")),
       renew_(make_compute_program("batched_renew.comp.glsl")),
       flags_(make_buffer(geometry.patches().size() * sizeof(GLuint))),
-      commands_(make_buffer(3 * sizeof(DrawCommand))),
+      commands_(make_buffer(sizeof(Commands))),
       lists_(make_buffer(3 * geometry.patches().size() * sizeof(GLuint))),
       candidate_buffer_(make_buffer(geometry.patches().size() * sizeof(GLuint))),
       slack_buffer_(
@@ -52,8 +53,8 @@ void PatchLists::bind() const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, candidate_buffer_.id());
 }
 
-void PatchLists::set_commands(const std::array<DrawCommand, 3>& commands) {
-  glNamedBufferSubData(commands_.id(), 0, sizeof commands, commands.data());
+void PatchLists::set_commands(const Commands& commands) {
+  glNamedBufferSubData(commands_.id(), 0, sizeof commands, &commands);
 }
 
 void PatchLists::touch(const PictureSetup& setup, const std::vector<std::uint32_t>& charts, const CameraModel& camera,
@@ -94,8 +95,9 @@ void PatchLists::touch_all() {
   std::iota(candidates_.begin(), candidates_.end(), 0U);
   glNamedBufferSubData(lists_.id(), 0, static_cast<GLsizeiptr>(candidates_.size() * sizeof(GLuint)),
                        candidates_.data());
-  std::array<DrawCommand, 3> commands;
-  commands[touched].count = static_cast<GLuint>(candidates_.size()) * kVerticesPerPatch;
+  Commands commands;
+  commands.draws[touched].count = static_cast<GLuint>(candidates_.size()) * kVerticesPerPatch;
+  commands.touched_groups[0] = (static_cast<GLuint>(candidates_.size()) + kPatchesPerGroup - 1) / kPatchesPerGroup;
   set_commands(commands);
   bind();
 }
@@ -134,6 +136,13 @@ void PatchLists::draw(List list, int level, const LayerTargets& into) {
     count_draw();
   }
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+}
+
+void PatchLists::dispatch_touched() const {
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, commands_.id());
+  glDispatchComputeIndirect(offsetof(Commands, touched_groups));
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
+  count_draw();
 }
 
 std::array<std::size_t, 3> PatchLists::lengths() const {

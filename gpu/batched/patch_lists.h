@@ -36,6 +36,9 @@ class PatchLists {
   /// Draws a list's patches as squares at a level of the pages with the program in use, into all pages. Locations 0 to
   /// 4 of its uniforms are batched_patch.vert.glsl's.
   void draw(List list, int level, const LayerTargets& into);
+  /// Runs the program in use over the touched patches: a group for each kPatchesPerGroup of them.
+  void dispatch_touched() const;
+  static constexpr GLuint kPatchesPerGroup = 16;
   /// Binds what batched_patches.glsl reads.
   void bind() const;
   /// Patches that touch() asked about; batched_patches' candidates.
@@ -48,7 +51,11 @@ class PatchLists {
   struct DrawCommand {
     GLuint count = 0, instances = 1, first = 0, base = 0;
   };
-  void set_commands(const std::array<DrawCommand, 3>& commands);
+  struct Commands {
+    std::array<DrawCommand, 3> draws;
+    std::array<GLuint, 3> touched_groups{0, 1, 1};  ///< of a dispatch
+  };
+  void set_commands(const Commands& commands);
 
   const ChartGeometry& geometry_;
   const ChartTables& tables_;

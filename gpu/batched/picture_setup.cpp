@@ -100,7 +100,7 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
     PlaneOnGpu& plane = planes_[i];
     plane = {{static_cast<float>(slope.x), static_cast<float>(slope.y), static_cast<float>(normal.z / offset), 0},
              {static_cast<float>(least), static_cast<float>(greatest),
-              static_cast<float>(std::min(slack, greatest - least)), 0}};
+              static_cast<float>(std::min(slack, greatest - least)), offset < 0 ? 1.0F : 0.0F}};
     if (offset >= 0) {
       ++back_faces_;
     } else {

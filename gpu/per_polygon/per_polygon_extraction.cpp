@@ -129,7 +129,7 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
 
   const GLuint undistorted = s.undistorter.texture();
   const bool suppressing = s.options.artefacts != ArtefactSuppression::none && s.options.passes > 0;
-  std::vector<std::uint32_t> touched;
+  std::vector<std::uint32_t> touched, current;
   s.store.wait_for_free_set();
   [[maybe_unused]] const bool begun = s.store.begin_picture();
   assert(begun);
@@ -150,7 +150,10 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
     clock.lap(ExtractionStep::filling);
     s.copier.copy(s.picture, slot, s.filler.filled(), own.texture.id(), s.store);
     clock.lap(ExtractionStep::other);
-    if (!s.is_late(polygon, frame.state.stamp)) s.newest[polygon] = frame.state.stamp;
+    if (!s.is_late(polygon, frame.state.stamp)) {
+      s.newest[polygon] = frame.state.stamp;
+      current.push_back(polygon);
+    }
     touched.push_back(polygon);
     const auto texels = static_cast<std::size_t>(own.width) * static_cast<std::size_t>(own.height);
     statistics.texels_written += texels;
@@ -162,7 +165,8 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
     s.store.spread_to_never_seen(TextureStore::kRimsPerPicture);
   }
   clock.lap(ExtractionStep::other);
-  s.store.end_picture(touched);
+  s.store.set_capture_time(current, s.store.capture_time_of(frame.state.stamp));
+  s.store.end_picture(touched, frame.state.stamp);
   clock.lap(ExtractionStep::publishing);
   statistics.charts_touched = touched.size();
   statistics.draw_calls = draw_tally().draw_calls - tally_before.draw_calls;

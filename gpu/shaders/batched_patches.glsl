@@ -13,13 +13,17 @@ struct DrawCommand {
 layout(std430, binding = 2) readonly buffer Patches { Patch patches[]; };
 // Number of the last picture that touched it, 0: none; kFirstTime: none before that one.
 layout(std430, binding = 3) buffer PatchFlags { uint patch_flags[]; };
-layout(std430, binding = 4) buffer Commands { DrawCommand commands[]; };
+layout(std430, binding = 4) buffer Commands {
+  DrawCommand commands[3];
+  uint touched_groups;  // of kPatchesPerGroup touched patches: x of a dispatch
+};
 layout(std430, binding = 5) buffer Lists { uint listed_patches[]; };
 
 const uint kFirstTime = 0x80000000u;
 
 bool is_touched(uint index, uint picture_number) { return (patch_flags[index] & ~kFirstTime) == picture_number; }
 
+const uint kPatchesPerGroup = 16u;
 const uint kTouched = 0u;  // lists, by place: texels may have changed
 const uint kRenewed = 1u;  // levels 1..3 must be made anew
 const uint kHoled = 2u;    // and level 0's holes

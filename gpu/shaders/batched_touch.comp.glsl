@@ -49,5 +49,7 @@ void main() {
   uint index = candidates[gl_GlobalInvocationID.x];
   if (!may_be_seen(patches[index])) return;
   patch_flags[index] = picture_number | (patch_flags[index] == 0u ? kFirstTime : 0u);
-  listed_patches[kTouched * list_stride + atomicAdd(commands[kTouched].count, 6u) / 6u] = index;
+  uint place = atomicAdd(commands[kTouched].count, 6u) / 6u;
+  listed_patches[kTouched * list_stride + place] = index;
+  if (place % kPatchesPerGroup == 0u) atomicAdd(touched_groups, 1u);
 }

@@ -85,7 +85,9 @@ TEST_F(BatchedTest, ThreeSetsHoldTheSameAsOne) {
     const TextureStore::Shown shown = buffered.store.acquire();
     holding = true;
     EXPECT_EQ(shown.picture, static_cast<std::uint64_t>(step));
-    ASSERT_EQ(difference(TextureBytes::of(buffered.store, shown.pages, shown.polygon_states), direct.bytes()), "")
+    ASSERT_EQ(difference(TextureBytes::of(buffered.store, shown.pages, shown.polygon_states, shown.capture_times),
+                         direct.bytes()),
+              "")
         << "shown with picture " << step;
   }
   if (holding) buffered.store.release();
@@ -295,8 +297,9 @@ TEST_F(BatchedTest, AdoptedTexturesGoOnAsIfNothingHadHappened) {
   for (std::size_t i = 0; i < 6; ++i) original.pipeline.extract(all[i]);
   hand_over(original, adopted);
   const TextureBytes loaded = adopted.bytes();
-  EXPECT_EQ(difference({{loaded.levels[0]}, loaded.states}, {{original.bytes().levels[0]}, original.bytes().states}),
-            "");
+  EXPECT_EQ(
+      difference({{loaded.levels[0]}, loaded.states, {}}, {{original.bytes().levels[0]}, original.bytes().states, {}}),
+      "");
   for (int level = 1; level < kChartLevels; ++level) {
     const std::vector<cv::Mat> a = adopted.pipeline.pulled(level), b = original.pipeline.pulled(level);
     for (std::size_t page = 0; page < a.size(); ++page) EXPECT_EQ(cv::norm(a[page], b[page], cv::NORM_INF), 0);
@@ -370,9 +373,10 @@ TEST_F(BatchedTest, AdoptingChangesNothingUnderTheDisplaysEyes) {
   rig.store.write_pages(source.store.read_pages(), source.store.read_polygon_states());
   glFinish();
   const TextureStore::Shown shown = rig.store.acquire();
-  const TextureBytes before = TextureBytes::of(rig.store, shown.pages, shown.polygon_states);
+  const TextureBytes before = TextureBytes::of(rig.store, shown.pages, shown.polygon_states, shown.capture_times);
   rig.pipeline.adopt_store();
-  EXPECT_EQ(difference(TextureBytes::of(rig.store, shown.pages, shown.polygon_states), before), "");
+  EXPECT_EQ(difference(TextureBytes::of(rig.store, shown.pages, shown.polygon_states, shown.capture_times), before),
+            "");
   rig.store.release();
   // All three sets go on from there.
   BatchedRig direct(model, charts_);

@@ -18,8 +18,9 @@ namespace foreview {
 struct TextureBytes {
   std::vector<std::vector<cv::Mat>> levels;  ///< by level, then page; CV_8UC4 BGRA
   std::vector<TextureStore::PolygonState> states;
+  std::vector<cv::Mat> capture_times;  ///< CV_32S
 
-  static TextureBytes of(const TextureStore& store, GLuint pages, GLuint polygon_states) {
+  static TextureBytes of(const TextureStore& store, GLuint pages, GLuint polygon_states, GLuint capture_times) {
     glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     TextureBytes bytes;
     const ChartLayout& layout = store.layout();
@@ -36,9 +37,17 @@ struct TextureBytes {
     glGetNamedBufferSubData(polygon_states, 0,
                             static_cast<GLsizeiptr>(bytes.states.size() * sizeof(TextureStore::PolygonState)),
                             bytes.states.data());
+    const int blocks = layout.page_size / kChartAlignment;
+    for (std::uint32_t page = 0; page < layout.pages; ++page) {
+      cv::Mat& times = bytes.capture_times.emplace_back(blocks, blocks, CV_32S);
+      glGetTextureSubImage(capture_times, 0, 0, 0, static_cast<GLint>(page), blocks, blocks, 1, GL_RED_INTEGER, GL_INT,
+                           blocks * blocks * 4, times.data);
+    }
     return bytes;
   }
-  static TextureBytes of(const TextureStore& store) { return of(store, store.pages(), store.polygon_states()); }
+  static TextureBytes of(const TextureStore& store) {
+    return of(store, store.pages(), store.polygon_states(), store.capture_times());
+  }
 
   [[nodiscard]] int count_observed() const {
     int observed = 0;
@@ -69,6 +78,11 @@ inline std::string difference(const TextureBytes& a, const TextureBytes& b) {
   }
   for (std::size_t i = 0; i < a.states.size(); ++i) {
     if (std::memcmp(&a.states[i], &b.states[i], sizeof a.states[i]) != 0) return "state " + std::to_string(i);
+  }
+  for (std::size_t page = 0; page < a.capture_times.size(); ++page) {
+    if (cv::norm(a.capture_times[page], b.capture_times[page], cv::NORM_INF) != 0) {
+      return "capture times, page " + std::to_string(page);
+    }
   }
   return {};
 }
