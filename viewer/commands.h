@@ -11,6 +11,7 @@ namespace foreview {
 void add_inspect_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_bench_command(CLI::App& app);

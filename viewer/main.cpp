@@ -50,12 +50,13 @@ int run(int argc, char** argv) {
                  "Read shaders from this directory instead of the built-in ones")
       ->type_name("DIR");
   app.set_version_flag("--version", std::string("foreview ") + FOREVIEW_VERSION);
-  app.footer("Every subcommand has its own help: foreview replay --help\nExample: foreview replay workcell");
+  app.footer("Every subcommand has its own help: foreview view --help\nExample: foreview view workcell");
   app.parse_complete_callback([&] { apply(options); });
 
   // One line each: the subcommands.
   foreview::add_inspect_command(app);
   foreview::add_generate_command(app);
+  foreview::add_view_command(app);
   foreview::add_replay_command(app);
   foreview::add_evaluate_command(app);
   foreview::add_export_command(app);

@@ -45,6 +45,7 @@ class ViewerSession {
         clock_(clock_options()),
         player_(input_.recording, input_.model, clock_, player_options()),
         control_(control_options(), &clock_) {
+    control_.settings().panels = options.panels;
     status_.name = input_.recording.name();
     status_.first = span_.first;
     status_.last = span_.last;
