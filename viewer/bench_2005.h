@@ -60,4 +60,12 @@ inline const std::vector<StepRow2005>& step_rows_2005() {
 }
 inline constexpr double kTotal2005 = 125.7;
 
+/// A column of table 7.5: extraction beside a display of so many frames a second; 0: none.
+struct Display2005 {
+  double rate;
+  double few_ms, many_ms;  ///< views with few and with many polygons
+};
+inline constexpr std::array<Display2005, 5> kDisplays2005{
+    {{0, 125.7, 125.7}, {25, 147.4, 156.7}, {33, 156.9, 171.3}, {50, 179.9, 209.9}, {100, 332.8, 613.7}}};
+
 }  // namespace foreview

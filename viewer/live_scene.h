@@ -35,6 +35,7 @@ class LiveScene {
   LiveScene& operator=(const LiveScene&) = delete;
 
   [[nodiscard]] LoopPlatform& platform() { return platform_; }
+  [[nodiscard]] OffscreenContext& extraction_context() { return context_; }
   [[nodiscard]] TextureStore& store() { return *store_; }
   [[nodiscard]] ExtractionPipeline& extraction() { return *extraction_; }
   /// A pipeline with other options in the place of extraction(), which must not be in use any more: first

@@ -84,7 +84,7 @@ PacingRun measure_pacing(LiveScene& scene, FrameSource& source, const PacingRequ
   callbacks.slice_completed = [&](const SliceRecord& slice) {
     if (counts) count(run, slice);
   };
-  LoopPlatform& platform = scene.platform();
+  LoopPlatform& platform = request.platform != nullptr ? *request.platform : scene.platform();
   DisplayLoop loop(platform, options, scene.store(), source, callbacks);
   if (request.extraction) loop.set_extraction(&scene.extraction());
   const Timestamp begun = platform.now();

@@ -14,7 +14,8 @@ struct PacingRequest {
   bool extraction = true;
   DisplayLoop::Options loop;  ///< but the period
   std::function<void(const FrameMoment&)> draw;
-  std::function<bool()> poll;  ///< false: enough
+  std::function<bool()> poll;        ///< false: enough
+  LoopPlatform* platform = nullptr;  ///< instead of the scene's, over its contexts
 };
 
 /// Shows frames and extracts beside them.

@@ -10,6 +10,7 @@ struct PacingReport {
   std::string recording, renderer;
   int width = 0, height = 0;  ///< of the frames, pixels
   double delay_seconds = 0;
+  std::string quality;          ///< of the frames: full, fast
   std::vector<PacingRun> runs;  ///< with frames and extraction last
 };
 

@@ -11,6 +11,7 @@
 #include "foreview/scene/errors.h"
 #include "foreview/scene/output_file.h"
 #include "foreview/server/recording_player.h"
+#include "foreview/viewer/frame_quality.h"
 #include "foreview/viewer/gl_debug.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/live_scene.h"
@@ -57,7 +58,6 @@ class PacedReplay {
                [this] { display_.make_current(); }),
         view_(scene_.store()),
         camera_(input_.recording.cameras()[input_.camera].model.undistorted()) {
-    target_.resize(options.width, options.height, "--size");
     const Recording& recording = input_.recording;
     first_ = replay.from.empty() ? recording.first_stamp(input_.camera)
                                  : recording.parse_position(replay.from, "--from", input_.camera);
@@ -69,6 +69,7 @@ class PacedReplay {
     report_.width = options.width;
     report_.height = options.height;
     report_.delay_seconds = replay.delay.seconds();
+    report_.quality = to_string(choose_quality());
   }
 
   /// Which of the two there are to be.
@@ -91,6 +92,22 @@ class PacedReplay {
   void install() const {
     if (debug_ != GlDebug::off) install_debug_callback(debug_ == GlDebug::fatal);
   }
+  void set_quality(ViewQuality quality) {
+    quality_ = quality;
+    target_.resize(options_.width, options_.height, "--size",
+                   quality == ViewQuality::fast ? 1 : AntialiasedTarget::kSamples);
+  }
+  ViewQuality choose_quality() {
+    set_quality(options_.quality.value_or(ViewQuality::full));
+    if (!options_.quality) {
+      const auto state = input_.recording.predicted_state(input_.camera, first_, input_.model);
+      const Duration full = measure_frame(scene_.platform(), [&] {
+        if (state) draw(*state);
+      });
+      set_quality(quality_that_fits(full, Duration::from_seconds(1 / *options_.rate)));
+    }
+    return quality_;
+  }
   void begin_source() {
     source_.reset();
     if (options_.back_to_back) {
@@ -105,11 +122,13 @@ class PacedReplay {
     source_ = std::make_unique<RecordingPlayer>(input_.recording, input_.model, *clock_, player);
   }
   void draw(const FrameMoment& moment) {
-    if (const auto state = source_->predicted_state(source_->time_at(moment.seen))) {
-      ViewStyle style;
-      style.near_plane = input_.options.extraction.near_plane;
-      view_.draw(camera_, *state, style, target_.framebuffer(), {0, 0, options_.width, options_.height}, false);
-    }
+    if (const auto state = source_->predicted_state(source_->time_at(moment.seen))) draw(*state);
+  }
+  void draw(const PredictedState& state) {
+    ViewStyle style;
+    style.near_plane = input_.options.extraction.near_plane;
+    style.quality = quality_;
+    view_.draw(camera_, state, style, target_.framebuffer(), {0, 0, options_.width, options_.height}, false);
     static_cast<void>(target_.resolve());
   }
 
@@ -120,6 +139,7 @@ class PacedReplay {
   LiveScene scene_;
   PredictedView view_;
   AntialiasedTarget target_;
+  ViewQuality quality_ = ViewQuality::full;
   CameraModel camera_;
   Timestamp first_, last_;
   std::unique_ptr<PlaybackClock> clock_;
@@ -156,6 +176,14 @@ void add_pacing_options(CLI::App& command, ReplayPacingOptions& options) {
         if (cross == std::string::npos || !read(text.data(), text.data() + cross, options.width) ||
             !read(text.data() + cross + 1, end, options.height) || options.width < 1 || options.height < 1) {
           throw InputError("--size", "'" + text + "' cannot be; expected a width and a height, as in 800x600");
+        }
+      });
+  add("--quality", "QUALITY",
+      "With --rate: full, fast or auto: fast where a full frame takes more than 40 % of a period (default: auto)",
+      [&options](const std::string& text) {
+        options.quality = parse_view_quality(text);
+        if (!options.quality && text != "auto") {
+          throw InputError("--quality", "'" + text + "' is not known; expected full, fast or auto");
         }
       });
   add("--pacing", "FILE", "With --rate: write every frame's and every picture's times to this file (JSON)",

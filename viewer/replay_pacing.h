@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "foreview/viewer/replayer.h"
+#include "foreview/viewer/view_choice.h"
 
 namespace CLI {
 class App;
@@ -15,15 +16,16 @@ namespace foreview {
 struct ReplayPacingOptions {
   std::optional<double> rate;  ///< frames a second
   Duration duration{20'000'000'000};
-  int width = 800, height = 600;  ///< of a frame, pixels
+  int width = 800, height = 600;       ///< of a frame, pixels
+  std::optional<ViewQuality> quality;  ///< none: quality_that_fits()
   bool extraction = true;
   bool reference = false;                     ///< before, as long each: extraction without frames, frames without it
   bool back_to_back = false;                  ///< the next picture whenever one can be taken, not when it arrives
   std::optional<std::filesystem::path> file;  ///< where the record goes
 };
 
-/// --rate, --duration, --size, --no-extraction, --reference, --back-to-back, --pacing. `options` must live until the
-/// app has been parsed; values that cannot be are InputErrors naming the option.
+/// --rate, --duration, --size, --quality, --no-extraction, --reference, --back-to-back, --pacing. `options` must live
+/// until the app has been parsed; values that cannot be are InputErrors naming the option.
 void add_pacing_options(CLI::App& command, ReplayPacingOptions& options);
 
 /// Plays the recording, from its end on from its start again, over a link with the replay's delay, for so long. Makes

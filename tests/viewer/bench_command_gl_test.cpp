@@ -242,5 +242,27 @@ TEST_F(BenchCommand, TheTablesOf2005) {
   }
 }
 
+/// Table 7.5 needs the pipeline that can be cut into slices.
+TEST_F(BenchCommand, TheTableOf2005BesideADisplay) {
+  const Finished run =
+      run_foreview({"bench", "tables", "--quick", "--pipeline", "batched", "--pictures", "1", "--json", path("t.json")},
+                   {{"FOREVIEW_CACHE", path("cache")}});
+  ASSERT_EQ(run.status, 0) << run.err << run.out;
+  const json report = read_json("t.json");
+  ASSERT_EQ(report["tables"].size(), 5U);
+  const json& table = report["tables"][4];
+  EXPECT_EQ(table["id"], "7.5");
+  ASSERT_EQ(table["rows"].size(), 5U);
+  EXPECT_EQ(table["rows"][4]["label"], "100");
+  EXPECT_EQ(table["rows"][4]["cells"][4], 613.7);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const json& cells = table["rows"][i]["cells"];
+    EXPECT_EQ(cells.size() + 1, table["columns"].size());
+    // Beside no display there is no rate. How many pictures half a second gives beside one, no test can know.
+    for (const std::size_t rate : {2U, 3U, 6U, 7U}) EXPECT_EQ(cells[rate].is_null(), i == 0) << cells;
+  }
+  EXPECT_GT(table["rows"][0]["cells"][1], 0);
+}
+
 }  // namespace
 }  // namespace foreview
