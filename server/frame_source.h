@@ -29,6 +29,7 @@ struct SourceStatus {
   std::size_t overwritten = 0;    ///< a newer one came before they were taken
   std::size_t damaged = 0;        ///< not whole, not decodable, wrong size
   std::size_t stateless = 0;      ///< pose or model state at capture not known (in time)
+  std::size_t duplicated = 0;     ///< came twice, not counted as arrived
   std::size_t lost = 0;           ///< on the way, as far as that is known
   std::size_t bytes_decoded = 0;  ///< memory held by decoded pictures now
   std::optional<Timestamp> newest_capture;  ///< of what arrived in this generation
