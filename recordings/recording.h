@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -159,6 +160,10 @@ class RecordingWriter {
   RecordingWriter(const std::filesystem::path& directory, const Description& description);
   /// `format` "png" or "jpg" (quality 95).
   void add_picture(std::size_t camera, Timestamp stamp, const cv::Mat& bgr, const std::string& format = "jpg");
+  /// The same of a picture as its camera encoded it: a whole JPEG or PNG (`format` "jpg" or "png") of the camera's
+  /// size, which the caller has checked.
+  void add_encoded_picture(std::size_t camera, Timestamp stamp, std::span<const unsigned char> bytes,
+                           const std::string& format);
   void add_camera_pose(std::size_t camera, Timestamp stamp, const Pose& world_from_camera);
   /// `part` becomes a file's name: InputError where it cannot be one.
   void add_part_pose(const std::string& part, Timestamp stamp, const Pose& world_from_part);

@@ -111,19 +111,25 @@ void RecordingWriter::add_picture(std::size_t camera, Timestamp stamp, const cv:
   State::Camera& target = state_->cameras.at(camera);
   assert(bgr.type() == CV_8UC3 && bgr.cols == target.model.width && bgr.rows == target.model.height);
   assert(format == "png" || format == "jpg");
-  char name[40];
-  std::snprintf(name, sizeof name, "rgb/%06zu.", target.pictures);
-  const fs::path file = target.directory / (name + format);
   std::vector<unsigned char> bytes;
   bool is_encoded = false;
+  const std::string where = (target.directory / "rgb").string();
   try {
     is_encoded = format == "png" ? cv::imencode(".png", bgr, bytes)
                                  : cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, 95});
   } catch (const cv::Exception& error) {
-    throw InputError(file.string(), "cannot be encoded: " + in_quotes(error.err));
+    throw InputError(where, "a picture cannot be encoded: " + in_quotes(error.err));
   }
-  if (!is_encoded) throw InputError(file.string(), "cannot be encoded");
-  write_file_whole(file, bytes);
+  if (!is_encoded) throw InputError(where, "a picture cannot be encoded");
+  add_encoded_picture(camera, stamp, bytes, format);
+}
+
+void RecordingWriter::add_encoded_picture(std::size_t camera, Timestamp stamp, std::span<const unsigned char> bytes,
+                                          const std::string& format) {
+  State::Camera& target = state_->cameras.at(camera);
+  char name[40];
+  std::snprintf(name, sizeof name, "rgb/%06zu.", target.pictures);
+  write_file_whole(target.directory / (name + format), bytes);
   ++target.pictures;
   target.list.add(stamp.to_string() + " " + name + format);
   state_->flush();

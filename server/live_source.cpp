@@ -56,8 +56,7 @@ struct Stream {
 }  // namespace
 
 struct LiveSource::State {
-  State(const PolygonModel& model_in, Options options_in)
-      : model(model_in), options(std::move(options_in)), link(options.link), clock(options.clock) {
+  explicit State(Options options_in) : options(std::move(options_in)), link(options.link), clock(options.clock) {
     if (options.cameras.empty()) throw InputError("live source", "has no camera; expected at least one");
     if (options.operator_camera >= options.cameras.size()) {
       throw InputError("live source", "has no camera " + std::to_string(options.operator_camera));
@@ -146,17 +145,17 @@ struct LiveSource::State {
   }
 
   /// Frames that parts follow: those heard of, and those waited for. Empty: stays where the model has it.
-  [[nodiscard]] std::string part_frame(const Part& part) const {
-    if (tf.has(part.name)) return part.name;
+  [[nodiscard]] std::string part_frame(const std::string& part) const {
+    if (tf.has(part)) return part;
     const auto& required = options.required_parts;
-    return std::find(required.begin(), required.end(), part.name) != required.end() ? part.name : std::string();
+    return std::find(required.begin(), required.end(), part) != required.end() ? part : std::string();
   }
 
   [[nodiscard]] std::optional<CaptureState> state_at(std::size_t camera, Timestamp time) const {
     const std::optional<Pose> pose = tf.at(options.world_frame, camera_frame(camera), time);
     if (!pose) return std::nullopt;
     CaptureState state{time, *pose, {}};
-    for (const Part& part : model.parts()) {
+    for (const std::string& part : options.parts) {
       const std::string frame = part_frame(part);
       const std::optional<Pose> part_pose = frame.empty() ? Pose() : tf.at(options.world_frame, frame, time);
       if (!part_pose) return std::nullopt;
@@ -168,7 +167,7 @@ struct LiveSource::State {
   /// The newest time up to `t` at which all is known.
   [[nodiscard]] std::optional<Timestamp> newest_known(Timestamp t) const {
     std::optional<Timestamp> newest = tf.newest(options.world_frame, camera_frame(options.operator_camera), t);
-    for (const Part& part : model.parts()) {
+    for (const std::string& part : options.parts) {
       const std::string frame = part_frame(part);
       if (frame.empty() || !newest) continue;
       const std::optional<Timestamp> of_part = tf.newest(options.world_frame, frame, t);
@@ -291,7 +290,6 @@ struct LiveSource::State {
     }
   }
 
-  const PolygonModel& model;
   const Options options;
   mutable std::mutex mutex;
   std::condition_variable work;
@@ -313,8 +311,7 @@ struct LiveSource::State {
   std::size_t next_camera = 0, used = 0, voided = 0;
 };
 
-LiveSource::LiveSource(const PolygonModel& model, Options options)
-    : state_(std::make_unique<State>(model, std::move(options))) {}
+LiveSource::LiveSource(Options options) : state_(std::make_unique<State>(std::move(options))) {}
 LiveSource::~LiveSource() = default;
 
 void LiveSource::on_picture(std::size_t camera, EncodedPicture picture, const Reception& reception) {

@@ -3,11 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "foreview/scene/polygon_model.h"
 #include "foreview/server/clock_estimate.h"
-#include "foreview/server/dds/dds_node.h"
-#include "foreview/server/encoded_picture.h"
 #include "foreview/server/frame_source.h"
+#include "foreview/server/live_sink.h"
 #include "foreview/server/simulated_link.h"
 
 namespace foreview {
@@ -23,7 +21,7 @@ namespace foreview {
 ///
 /// Memory is bounded, whatever comes: a few undecoded pictures per camera, one decoded, tf by TfBuffer::Options. With a
 /// simulated link, pictures wait undecoded for their delay, waiting_bytes at most.
-class LiveSource final : public FrameSource {
+class LiveSource final : public FrameSource, public LiveSink {
  public:
   struct Camera {
     std::string name;             ///< for messages to the user
@@ -34,6 +32,7 @@ class LiveSource final : public FrameSource {
     std::vector<Camera> cameras;
     std::size_t operator_camera = 0;  ///< whose pose predicted_state() gives
     std::string world_frame = "world";
+    std::vector<std::string> parts;           ///< the model's, in its order: world_from_part has one pose for each
     std::vector<std::string> required_parts;  ///< these are waited for even if no frame of their name was heard of
     Duration state_wait{250'000'000};
     LinkOptions link;
@@ -41,17 +40,17 @@ class LiveSource final : public FrameSource {
     std::size_t most_waiting = 200;  ///< pictures per camera, undecoded
     ClockEstimate::Options clock;    ///< of the robot; synchronised, it is compared with Unix time
   };
-  /// The model must outlive the source. Throws InputError where there is no camera.
-  LiveSource(const PolygonModel& model, Options options);
+  /// Throws InputError where there is no camera.
+  explicit LiveSource(Options options);
   ~LiveSource() override;
 
-  // From any thread, as it comes; none waits.
-  void on_picture(std::size_t camera, EncodedPicture picture, const Reception& reception);
+  void on_picture(std::size_t camera, EncodedPicture picture, const Reception& reception) override;
   /// What cannot be used is logged once, and the camera's last model stays.
-  void on_camera_info(std::size_t camera, const CameraInfoMessage& info);
-  void on_transforms(const TransformMessage& message, bool is_static);
-  /// The pose of the camera's optical frame in the frame of the message's header (the world's where it is empty).
-  void on_pose(std::size_t camera, const PoseMessage& pose);
+  void on_camera_info(std::size_t camera, const CameraInfoMessage& info) override;
+  void on_transforms(const TransformMessage& message, bool is_static) override;
+  void on_pose(std::size_t camera, const PoseMessage& pose) override;
+  /// Not used: parts follow tf.
+  void on_joints(const JointStateMessage& /*joints*/) override {}
 
   [[nodiscard]] std::optional<IncomingFrame> take() override;
   /// The state at t, or the newest known before: its stamp says which.

@@ -15,5 +15,8 @@ void add_view_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
+void add_send_command(CLI::App& app);
+void add_serve_command(CLI::App& app);
+void add_record_command(CLI::App& app);
 
 }  // namespace foreview

@@ -61,6 +61,9 @@ int run(int argc, char** argv) {
   foreview::add_evaluate_command(app);
   foreview::add_export_command(app);
   foreview::add_bench_command(app);
+  foreview::add_send_command(app);
+  foreview::add_serve_command(app);
+  foreview::add_record_command(app);
 
   try {
     app.parse(argc, argv);

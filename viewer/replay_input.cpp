@@ -20,28 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A directory wins over a built-in recording of the same name: it is what someone who generated one there means.
-Recording open_recording(const fs::path& place) {
-  std::error_code error;
-  const std::vector<std::string> names = builtin_recording_names();
-  const bool is_builtin = std::find(names.begin(), names.end(), place.string()) != names.end();
-  if (!is_builtin && !fs::exists(place, error)) {
-    std::string listed;
-    for (const std::string& name : names) listed += (listed.empty() ? "" : ", ") + name;
-    throw InputError(place.string(), "no such directory, nor a built-in recording (" + listed + ")");
-  }
-  if (!is_builtin || fs::is_directory(place, error)) return Recording::open(place);
-  GenerateOptions generate;
-  generate.name = place.string();
-  std::unique_ptr<ProgressBar> bar;
-  const fs::path directory = cached_recording(generate, [&](std::size_t done, std::size_t todo) {
-    throw_if_interrupted();
-    if (!bar) bar = std::make_unique<ProgressBar>("generating " + generate.name, todo);
-    bar->update(done);
-  });
-  return Recording::open(directory);
-}
-
 fs::path find_scene(const ReplayOptions& options, const Recording& recording) {
   std::error_code error;
   if (options.scene) {
@@ -99,6 +77,28 @@ ChartOptions chart_options_for(const ReplayOptions& options, const Recording& re
 }
 
 }  // namespace
+
+/// A directory wins over a built-in recording of the same name: it is what someone who generated one there means.
+Recording open_recording(const fs::path& place) {
+  std::error_code error;
+  const std::vector<std::string> names = builtin_recording_names();
+  const bool is_builtin = std::find(names.begin(), names.end(), place.string()) != names.end();
+  if (!is_builtin && !fs::exists(place, error)) {
+    std::string listed;
+    for (const std::string& name : names) listed += (listed.empty() ? "" : ", ") + name;
+    throw InputError(place.string(), "no such directory, nor a built-in recording (" + listed + ")");
+  }
+  if (!is_builtin || fs::is_directory(place, error)) return Recording::open(place);
+  GenerateOptions generate;
+  generate.name = place.string();
+  std::unique_ptr<ProgressBar> bar;
+  const fs::path directory = cached_recording(generate, [&](std::size_t done, std::size_t todo) {
+    throw_if_interrupted();
+    if (!bar) bar = std::make_unique<ProgressBar>("generating " + generate.name, todo);
+    bar->update(done);
+  });
+  return Recording::open(directory);
+}
 
 ReplayInput::ReplayInput(const ReplayOptions& from)
     : options(from),

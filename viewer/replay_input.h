@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <filesystem>
 
 #include "foreview/recordings/recording.h"
 #include "foreview/scene/chart_layout.h"
@@ -7,6 +8,10 @@
 #include "foreview/viewer/replayer.h"
 
 namespace foreview {
+
+/// A directory, or else a built-in recording by its name, which is generated first where it is not cached, with a
+/// progress bar. Throws InputError where it is neither.
+[[nodiscard]] Recording open_recording(const std::filesystem::path& place);
 
 /// Recording, model and chart options that ReplayOptions name: made in this order, since each needs the one before.
 struct ReplayInput {

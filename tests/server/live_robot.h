@@ -24,19 +24,12 @@ struct LiveRobot {
   static constexpr Duration kPeriod{100'000'000};
 
   explicit LiveRobot(LiveSource::Options options = {}, bool has_pose_topic = false)
-      : source(model, with_camera(std::move(options), has_pose_topic)) {}
+      : source(with_camera(std::move(options), has_pose_topic)) {}
 
   static LiveSource::Options with_camera(LiveSource::Options options, bool has_pose_topic) {
     options.cameras = {{"eye", "", has_pose_topic}};
+    options.parts = {"room", "arm"};
     return options;
-  }
-  static PolygonModel two_parts() {
-    RawMesh mesh;
-    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {3, 0, 0}, {2, 1, 0}};
-    mesh.faces = {{0, 1, 2}, {3, 4, 5}};
-    mesh.face_part = {0, 1};
-    mesh.part_names = {"room", "arm"};
-    return build_polygon_model(mesh, {.backdrop = false});
   }
   [[nodiscard]] static Timestamp stamp(int i) { return {1'000'000'000'000 + i * kPeriod.nanoseconds}; }
   [[nodiscard]] static Reception reception() {
@@ -73,7 +66,6 @@ struct LiveRobot {
     return testing::AssertionSuccess();
   }
 
-  PolygonModel model = two_parts();
   cv::Size size{32, 24};
   LiveSource source;
 };

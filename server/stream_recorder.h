@@ -1,0 +1,59 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "foreview/server/live_sink.h"
+
+namespace foreview {
+
+/// Writes what comes in live into a recording, in a thread of its own. It begins when every camera's model is known; of
+/// each camera it keeps the pictures as they came (raw ones as PNG), whole ones of the right size only, once their pose
+/// is known, and the camera's pose at every step of tf. At any moment all that is written is readable: pictures are
+/// listed after they are written, and poses before. A model of another size in mid-stream is not recorded: its pictures
+/// count as damaged.
+class StreamRecorder final : public LiveSink {
+ public:
+  struct Camera {
+    std::string name;
+    std::string frame;            ///< its optical frame; empty: the pictures' frame_id
+    bool has_pose_topic = false;  ///< its pose comes by on_pose(), not by tf
+  };
+  struct Options {
+    std::filesystem::path directory;
+    std::string name;
+    std::vector<Camera> cameras;
+    std::string world_frame = "world";
+    std::string scene_file;          ///< as RecordingWriter::Description
+    std::vector<std::string> parts;  ///< of the model: those with a frame of their name are recorded
+    Duration state_wait{2'000'000'000};
+    std::size_t waiting_bytes = std::size_t{512} << 20;
+  };
+  /// Throws InputError where there is no camera.
+  explicit StreamRecorder(Options options);
+  ~StreamRecorder() override;
+
+  void on_picture(std::size_t camera, EncodedPicture picture, const Reception& reception) override;
+  void on_camera_info(std::size_t camera, const CameraInfoMessage& info) override;
+  void on_transforms(const TransformMessage& message, bool is_static) override;
+  void on_pose(std::size_t camera, const PoseMessage& pose) override;
+  void on_joints(const JointStateMessage& joints) override;
+
+  struct Status {
+    std::size_t pictures_in = 0, written = 0;
+    std::size_t damaged = 0, stateless = 0;
+    std::size_t overflowed = 0;  ///< the disk did not keep up
+    std::string waiting_for;     ///< why it has not begun; empty: it has
+    std::string error;           ///< why it ended; empty: it goes on
+  };
+  [[nodiscard]] Status status() const;
+  /// Writes what waits and can be written.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace foreview
