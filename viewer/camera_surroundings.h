@@ -13,8 +13,9 @@ struct CameraSurroundings {
   double radius = 1;       ///< metres
   glm::dvec3 up{0, 0, 1};  ///< world, unit length
 };
-/// The ball around the model as the parts lie; up is the world's axis that the cameras hold upright, else (a camera
-/// that mostly looks along it) +z.
+/// The ball around the model as the parts lie; or, where that is much smaller, around four fifths of the polygons in
+/// the middle of what the cameras see: a room's walls are far around what happens in it. `up` is the world's axis that
+/// the cameras hold upright, else (a camera that mostly looks along it) +z.
 [[nodiscard]] CameraSurroundings find_surroundings(const PolygonModel& model, std::span<const Pose> world_from_part,
                                                    std::span<const Pose> world_from_cameras);
 

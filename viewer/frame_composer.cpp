@@ -5,10 +5,13 @@
 #include <bit>
 #include <cmath>
 
+#include "foreview/viewer/frame_annotations.h"
 #include "foreview/viewer/operator_camera.h"
 
 namespace foreview {
 namespace {
+
+constexpr float kDifferenceGain = 4;
 
 int panels(ViewMode mode) {
   return mode == ViewMode::side_by_side ? 2 : 1;
@@ -22,6 +25,7 @@ FrameComposer::FrameComposer(PredictedView& view, const CameraModel& camera, dou
       undistortion_(camera),
       near_plane_(near_plane),
       picture_program_(make_program("fullscreen.vert.glsl", "view_picture.frag.glsl")),
+      finish_program_(make_program("fullscreen.vert.glsl", "view_finish.frag.glsl")),
       no_vertices_(GlVertexArray::create()),
       picture_sampler_(make_clamped_sampler(GL_LINEAR_MIPMAP_LINEAR)) {
   const auto longest = static_cast<unsigned>(std::max(camera.width, camera.height));
@@ -48,19 +52,23 @@ void FrameComposer::compose(const FrameInput& input, const ViewChoice& choice, c
   target_.resize(size.width, size.height, "window", fast ? 1 : AntialiasedTarget::kSamples);
   constexpr std::array<GLfloat, 4> kBlack{0, 0, 0, 1};
   glClearNamedFramebufferfv(target_.framebuffer(), GL_COLOR, 0, kBlack.data());
-  const int left_width = size.width / panels(choice.mode);
-  const int line = choice.mode == ViewMode::split
-                       ? std::clamp(static_cast<int>(std::lround(choice.split * size.width)), 0, size.width)
-                       : left_width;
-  const Viewport left{0, 0, left_width, size.height, line};
-  if (shows_predicted(choice.mode)) draw_predicted(input, choice, left);
-  if (choice.mode == ViewMode::delayed) draw_delayed(input, choice, left, 0);
+  Viewport predicted{0, 0, size.width / panels(choice.mode), size.height};
+  Viewport delayed{0, 0, size.width, size.height};
   if (choice.mode == ViewMode::side_by_side) {
-    draw_delayed(input, choice, {left_width, 0, size.width - left_width, size.height}, left_width);
+    delayed.x = predicted.width;
+    delayed.width = size.width - predicted.width;
   }
   if (choice.mode == ViewMode::split) {
-    draw_delayed(input, choice, {0, 0, left_width, size.height}, line);
+    const int line = static_cast<int>(std::lround(std::clamp(choice.split, 0.0, 1.0) * size.width));
+    predicted.end_column = line;
+    delayed.first_column = line;
   }
+  if (shows_predicted(choice.mode) && !predicted.is_empty()) {
+    draw_predicted(input, choice, predicted);
+    finish_predicted(input, choice, predicted);
+  }
+  if (shows_delayed(choice.mode) && !delayed.is_empty()) draw_delayed(input, choice, delayed);
+  annotate(input, choice, predicted);
 }
 
 void FrameComposer::draw_predicted(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport) {
@@ -99,25 +107,64 @@ bool FrameComposer::load(const FramePicture& picture, Shown& into) {
   return true;
 }
 
-/// Only what lies at `left` or right of it.
-void FrameComposer::draw_delayed(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport,
-                                 int left) {
-  const int right = viewport.x + viewport.width;
-  if (left >= right || !load(input.delayed, delayed_)) return;
+void FrameComposer::draw_over(const GlProgram& program, const Viewport& viewport) {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
   glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
-  glScissor(left, viewport.y, right - left, viewport.height);
+  glScissor(viewport.first_x(), viewport.y, viewport.end_x() - viewport.first_x(), viewport.height);
   glEnable(GL_SCISSOR_TEST);
-  glUseProgram(picture_program_.id());
+  glUseProgram(program.id());
   glBindVertexArray(no_vertices_.id());
-  glBindTextureUnit(0, delayed_.texture.id());
-  glBindSampler(0, picture_sampler_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  glBindSampler(0, 0);
   glBindVertexArray(0);
   glUseProgram(0);
   glDisable(GL_SCISSOR_TEST);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+/// Difference and staleness: most frames have neither, and are left as they are.
+void FrameComposer::finish_predicted(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport) {
+  const bool difference = choice.mode == ViewMode::difference && input.predicted && load(input.truth, truth_);
+  const auto severity = static_cast<float>(input.staleness.severity);
+  if (!difference && severity <= 0) return;
+  const Size size{target_.width(), target_.height()};
+  if (unfinished_size_ != size) {
+    unfinished_ = make_texture_2d(GL_RGBA8, size.width, size.height);
+    unfinished_size_ = size;
+  }
+  target_.resolve();
+  glCopyImageSubData(target_.resolved_texture(), GL_TEXTURE_2D, 0, 0, 0, 0, unfinished_.id(), GL_TEXTURE_2D, 0, 0, 0, 0,
+                     size.width, size.height, 1);
+  glProgramUniform1f(finish_program_.id(), 0, difference ? kDifferenceGain : 0.0F);
+  glProgramUniform1f(finish_program_.id(), 1, severity);
+  glBindTextureUnit(0, unfinished_.id());
+  glBindTextureUnit(1, truth_.texture.id());
+  glBindSampler(1, picture_sampler_.id());
+  draw_over(finish_program_, viewport);
+  glBindSampler(1, 0);
+}
+
+void FrameComposer::annotate(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport) {
+  const FrameArea frame{0, 0, target_.width(), target_.height()};
+  const FrameArea view{viewport.x, viewport.y, viewport.end_x() - viewport.x, viewport.height};
+  if (choice.mode == ViewMode::split) paint_split(painter_, frame, viewport.end_x());
+  if (shows_predicted(choice.mode)) {
+    int place = 0;
+    if (choice.overlays.density) paint_density_scale(painter_, view, place++);
+    if (choice.overlays.age) paint_age_scale(painter_, view, choice.age_span, place);
+    if (choice.mode == ViewMode::difference) {
+      paint_note(painter_, view, input.truth.picture.empty() ? "no picture was taken from here" : "difference x 4");
+    }
+  }
+  paint_staleness(painter_, frame, input.staleness);
+  painter_.flush(target_.framebuffer(), frame.width, frame.height);
+}
+
+void FrameComposer::draw_delayed(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport) {
+  if (!load(input.delayed, delayed_)) return;
+  glBindTextureUnit(0, delayed_.texture.id());
+  glBindSampler(0, picture_sampler_.id());
+  draw_over(picture_program_, viewport);
+  glBindSampler(0, 0);
   if (!choice.overlays.edges || !input.capture) return;
   view_.draw_edges(camera_, *input.capture, target_.framebuffer(), viewport, false, near_plane_);
 }

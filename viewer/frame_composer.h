@@ -3,6 +3,7 @@
 
 #include "foreview/gpu/gl_objects.h"
 #include "foreview/viewer/frame_input.h"
+#include "foreview/viewer/frame_painter.h"
 #include "foreview/viewer/predicted_view.h"
 #include "foreview/viewer/render_target.h"
 #include "foreview/viewer/undistortion.h"
@@ -12,7 +13,8 @@ namespace foreview {
 
 /// Puts together what the operator sees of a display instant: the predicted view, the delayed picture (without lens
 /// distortion, on black before the first one has come), both, or their comparison; with overlays, and with a warning
-/// where what is shown is stale. Window and headless replay both show what this draws. Needs a current context in every
+/// where what is shown is stale: then colours leave the predicted view by and by, a border surrounds the frame, and a
+/// text says what is how old. Window and headless replay both show what this draws. Needs a current context in every
 /// member; waits for nothing.
 class FrameComposer {
  public:
@@ -45,7 +47,10 @@ class FrameComposer {
     bool any = false;
   };
   void draw_predicted(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport);
-  void draw_delayed(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport, int left);
+  void finish_predicted(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport);
+  void annotate(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport);
+  void draw_over(const GlProgram& program, const Viewport& viewport);
+  void draw_delayed(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport);
   bool load(const FramePicture& picture, Shown& into);
 
   PredictedView& view_;
@@ -53,7 +58,10 @@ class FrameComposer {
   Undistortion undistortion_;
   double near_plane_;
   AntialiasedTarget target_;
-  GlProgram picture_program_;
+  FramePainter painter_;
+  GlTexture unfinished_;  ///< copy of the frame, where something is to be done to it
+  Size unfinished_size_;
+  GlProgram picture_program_, finish_program_;
   GlVertexArray no_vertices_;
   GlSampler picture_sampler_;
   Shown delayed_, truth_;

@@ -19,7 +19,8 @@ namespace {
 constexpr GLuint kPartsBinding = 0, kChartsBinding = 1, kPolygonStatesBinding = 2;
 constexpr GLuint kSpotlightPartsBinding = 4;
 constexpr GLuint kExposureBinding = 0, kOverlayBinding = 1;  // of uniform buffers
-constexpr GLuint kPagesUnit = 0, kSpotlightUnit = 1;
+constexpr GLuint kPagesUnit = 0, kSpotlightUnit = 1, kCaptureTimesUnit = 3;
+constexpr std::int64_t kMostMilliseconds = 2'000'000'000;
 constexpr glm::vec3 kLineColour{0.25F, 1.0F, 0.35F};
 
 /// view_overlays.glsl's uniform block (std140).
@@ -119,7 +120,7 @@ struct PredictedView::State {
   void begin(GLuint framebuffer, const Viewport& viewport, bool flip) const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
-    glScissor(viewport.x, viewport.y, std::min(viewport.width, viewport.shown_width), viewport.height);
+    glScissor(viewport.first_x(), viewport.y, viewport.end_x() - viewport.first_x(), viewport.height);
     glEnable(GL_SCISSOR_TEST);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -178,6 +179,9 @@ struct PredictedView::State {
       block.polygon = static_cast<std::int32_t>(*style.polygon);
       block.group = static_cast<std::int32_t>(store.layout().charts[*style.polygon].group);
     }
+    const TextureStore::Shown shown = store.acquire();
+    block.moment = static_cast<std::int32_t>(
+        std::clamp((style.moment - shown.epoch).nanoseconds / 1'000'000, -kMostMilliseconds, kMostMilliseconds));
     block.age_span = static_cast<float>(std::max(style.age_span, 1e-3));
     block.spotlight = spotlight && style.spotlight != nullptr ? 1 : 0;
     block.orientation = flip ? -1.0F : 1.0F;
@@ -186,11 +190,13 @@ struct PredictedView::State {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kSpotlightPartsBinding,
                      block.spotlight != 0 ? spotlight->parts() : placement.buffer());
     glBindTextureUnit(kSpotlightUnit, block.spotlight != 0 ? spotlight->depth() : 0);
+    glBindTextureUnit(kCaptureTimesUnit, shown.capture_times);
+    store.release();
   }
 
   void draw(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,
             const Style& style, GLuint framebuffer, const Viewport& viewport, bool flip) {
-    if (viewport.width < 1 || viewport.height < 1 || viewport.shown_width < 1) return;
+    if (viewport.is_empty()) return;
     const CameraModel fitted = fit_camera(camera, viewport.width, viewport.height);
     if (style.textures) prepare_spotlight(style);
     model.place(placement, fitted, world_from_camera, world_from_part, style.near_plane, flip);

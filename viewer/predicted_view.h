@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -55,7 +56,11 @@ class PredictedView {
   /// it over for a window's framebuffer, whose row 0 is at the bottom.
   struct Viewport {
     int x = 0, y = 0, width = 0, height = 0;
-    int shown_width = std::numeric_limits<int>::max();  ///< only so many columns are drawn, from the left
+    /// Only these columns are drawn, counted from the viewport's left.
+    int first_column = 0, end_column = std::numeric_limits<int>::max();
+    [[nodiscard]] int first_x() const { return x + std::min(first_column, width); }
+    [[nodiscard]] int end_x() const { return x + std::min(end_column, width); }
+    [[nodiscard]] bool is_empty() const { return width < 1 || height < 1 || first_x() >= end_x(); }
   };
   void draw(const CameraModel& camera, const PredictedState& state, const Style& style, GLuint framebuffer,
             const Viewport& viewport, bool flip);

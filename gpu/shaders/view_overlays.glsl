@@ -1,5 +1,6 @@
 // What is drawn over the predicted view's surfaces, by viewer/predicted_view.h's ViewStyle.
 
+#include "capture_times.glsl"
 #include "view_scale.glsl"
 
 layout(std140, binding = 1) uniform Overlays {
@@ -52,7 +53,10 @@ float spotlight_at(bool front) {
 
 // The colour of the age of what is shown here; grey where it is not known.
 vec3 colour_of_age() {
-  return vec3(0.5);
+  Chart chart = charts[polygon_index];
+  vec2 t = clamp_nan_safe(chart_texel, vec2(0.5), chart.valid - 0.5);
+  int captured = capture_time(chart.origin + t, int(chart.page));
+  return captured == kNeverCaptured ? vec3(0.5) : age_colour(float(moment - captured) * 1e-3 / age_span);
 }
 
 // Pixels that a texel covers along its longest extent in the frame.

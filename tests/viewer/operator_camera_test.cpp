@@ -385,5 +385,39 @@ TEST(CameraSurroundings, BallAndUp) {
   EXPECT_EQ(find_surroundings(model, parts, {}).up, kUp);
 }
 
+TEST(CameraSurroundings, InARoomWhatTheCamerasLookAt) {
+  // A box of 0.4 m in a room of 10 m, its walls cut into many polygons.
+  RawMesh mesh;
+  const auto add_box = [&](const glm::dvec3& middle, double size, int cuts) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double side : {-0.5, 0.5}) {
+        for (int k = 0; k < cuts * cuts; ++k) {
+          const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+          for (const glm::ivec2 corner : {glm::ivec2(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+            glm::dvec3 p;
+            p[axis] = side;
+            p[(axis + 1) % 3] = static_cast<double>(k % cuts + corner.x) / cuts - 0.5;
+            p[(axis + 2) % 3] = static_cast<double>(k / cuts + corner.y) / cuts - 0.5;
+            mesh.vertices.push_back(middle + size * p);
+          }
+          mesh.faces.push_back({first, first + 1, first + 2, first + 3});
+        }
+      }
+    }
+  };
+  add_box({0, 0, 0}, 10, 4);
+  add_box({1, 1, -1}, 0.4, 8);
+  ImportOptions options;
+  options.merge_coplanar = false;
+  const PolygonModel model = build_polygon_model(mesh, options);
+  const std::vector<Pose> parts(model.parts().size());
+  std::vector<Pose> cameras;
+  for (int i = 0; i < 40; ++i) cameras.push_back(looking_at({-1 + 0.02 * i, -1, 0}, {1, 1, -1}, kUp));
+  const CameraSurroundings found = find_surroundings(model, parts, cameras);
+  EXPECT_LT(glm::distance(found.centre, glm::dvec3(1, 1, -1)), 0.3);
+  EXPECT_GT(found.radius, 0.2);
+  EXPECT_LT(found.radius, 3);
+}
+
 }  // namespace
 }  // namespace foreview
