@@ -40,7 +40,7 @@ constexpr std::array<unsigned char, 420> kStandardHuffmanTables{
 CaptureFault read_raw(const VideoFormat& format, Bytes bytes, std::vector<unsigned char>& picture) {
   const auto height = static_cast<std::size_t>(format.mode.height);
   const std::size_t row = static_cast<std::size_t>(format.mode.width) * bytes_per_pixel(format.mode.format);
-  if (bytes.size() < format.bytes_per_line * (height - 1) + row) return CaptureFault::short_frame;
+  if (bytes.size() < least_bytes(format)) return CaptureFault::short_frame;
   // Below that, drivers may round up, to whole pages for example.
   if (bytes.size() > format.size_image) return CaptureFault::wrong_size;
   picture.resize(row * height);
@@ -114,6 +114,12 @@ CaptureFault read_mjpeg(const VideoFormat& format, Bytes bytes, std::vector<unsi
 }
 
 }  // namespace
+
+std::size_t least_bytes(const VideoFormat& format) {
+  if (format.mode.format == CaptureFormat::mjpeg) return 0;
+  const std::size_t row = static_cast<std::size_t>(format.mode.width) * bytes_per_pixel(format.mode.format);
+  return format.bytes_per_line * (static_cast<std::size_t>(format.mode.height) - 1) + row;
+}
 
 CaptureFault read_captured(const VideoFormat& format, Bytes bytes, std::vector<unsigned char>& picture) {
   return format.mode.format == CaptureFormat::mjpeg ? read_mjpeg(format, bytes, picture)

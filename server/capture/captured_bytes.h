@@ -15,6 +15,9 @@ struct VideoFormat {
   std::size_t size_image = 0;      ///< the most bytes of a picture
 };
 
+/// Of a whole raw picture, whose last line need not be padded; 0 for MJPEG.
+[[nodiscard]] std::size_t least_bytes(const VideoFormat& format);
+
 enum class CaptureFault : std::uint8_t {
   none,
   short_frame,  ///< ends before the picture does

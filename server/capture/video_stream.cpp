@@ -178,10 +178,7 @@ void VideoStream::map_buffers(std::size_t buffers) {
     if (const int error = video_ioctl(system_, file_, VIDIOC_QUERYBUF, buffer); error < 0) {
       fail("does not tell where its buffers are", error);
     }
-    const bool is_raw = bytes_per_pixel(format_.mode.format) > 0;
-    if (buffer.length == 0 ||
-        (is_raw && buffer.length < format_.bytes_per_line * (format_.mode.height - 1) +
-                                       format_.mode.width * bytes_per_pixel(format_.mode.format))) {
+    if (buffer.length == 0 || buffer.length < least_bytes(format_)) {
       throw VideoError(
           device_,
           "has buffers of " + std::to_string(buffer.length) + " bytes; expected room for " + format_.mode.to_string(),

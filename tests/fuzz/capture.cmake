@@ -1,0 +1,2 @@
+foreview_add_fuzzer(captured_bytes_fuzzer SOURCES captured_bytes_fuzzer.cpp LINKS foreview::server opencv_imgcodecs)
+foreview_add_fuzzer(v4l2_driver_fuzzer SOURCES v4l2_driver_fuzzer.cpp LINKS foreview::server)
