@@ -47,22 +47,26 @@ FrameComposer::Size FrameComposer::fitting_size(ViewMode mode, int width, int he
   return {scaled(native.width, width), scaled(native.height, height)};
 }
 
+PredictedView::Viewport FrameComposer::predicted_viewport(const ViewChoice& choice, const Size& size) {
+  Viewport viewport{0, 0, size.width / panels(choice.mode), size.height};
+  if (choice.mode == ViewMode::split) {
+    viewport.end_column = static_cast<int>(std::lround(std::clamp(choice.split, 0.0, 1.0) * size.width));
+  }
+  return viewport;
+}
+
 void FrameComposer::compose(const FrameInput& input, const ViewChoice& choice, const Size& size) {
   const bool fast = choice.quality == ViewQuality::fast;
   target_.resize(size.width, size.height, "window", fast ? 1 : AntialiasedTarget::kSamples);
   constexpr std::array<GLfloat, 4> kBlack{0, 0, 0, 1};
   glClearNamedFramebufferfv(target_.framebuffer(), GL_COLOR, 0, kBlack.data());
-  Viewport predicted{0, 0, size.width / panels(choice.mode), size.height};
+  const Viewport predicted = predicted_viewport(choice, size);
   Viewport delayed{0, 0, size.width, size.height};
   if (choice.mode == ViewMode::side_by_side) {
     delayed.x = predicted.width;
     delayed.width = size.width - predicted.width;
   }
-  if (choice.mode == ViewMode::split) {
-    const int line = static_cast<int>(std::lround(std::clamp(choice.split, 0.0, 1.0) * size.width));
-    predicted.end_column = line;
-    delayed.first_column = line;
-  }
+  if (choice.mode == ViewMode::split) delayed.first_column = predicted.end_column;
   if (shows_predicted(choice.mode) && !predicted.is_empty()) {
     draw_predicted(input, choice, predicted);
     finish_predicted(input, choice, predicted);

@@ -31,6 +31,9 @@ class FrameComposer {
   /// The largest frame of the same aspect within these bounds (pixels, at least 1 x 1).
   [[nodiscard]] Size fitting_size(ViewMode mode, int width, int height) const;
 
+  /// Where in a frame of this size the predicted view is.
+  [[nodiscard]] static PredictedView::Viewport predicted_viewport(const ViewChoice& choice, const Size& size);
+
   /// Draws the frame with the textures as they are.
   void compose(const FrameInput& input, const ViewChoice& choice, const Size& size);
   /// The last frame composed: a framebuffer of that size, row 0 its top.

@@ -11,6 +11,7 @@
 #include "foreview/viewer/model_buffers.h"
 #include "foreview/viewer/render_target.h"
 #include "foreview/viewer/spotlight.h"
+#include "foreview/viewer/surface_target.h"
 #include "foreview/viewer/view_geometry.h"
 
 namespace foreview {
@@ -33,47 +34,6 @@ struct OverlayBlock {
   std::array<float, 2> padding{};
 };
 static_assert(sizeof(OverlayBlock) == 48);
-
-/// Integer and float attachments of render_surface.
-struct SurfaceTarget {
-  int width = 0, height = 0;
-  GlTexture polygon, inverse_z, provenance, depth;
-  GlFramebuffer framebuffer;
-
-  void resize(int new_width, int new_height) {
-    if (width == new_width && height == new_height) return;
-    polygon = make_texture_2d(GL_R32I, new_width, new_height);
-    inverse_z = make_texture_2d(GL_R32F, new_width, new_height);
-    provenance = make_texture_2d(GL_R8UI, new_width, new_height);
-    depth = make_texture_2d(GL_DEPTH_COMPONENT32F, new_width, new_height);
-    framebuffer = make_framebuffer(polygon.id(), depth.id());
-    glNamedFramebufferTexture(framebuffer.id(), GL_COLOR_ATTACHMENT1, inverse_z.id(), 0);
-    glNamedFramebufferTexture(framebuffer.id(), GL_COLOR_ATTACHMENT2, provenance.id(), 0);
-    constexpr std::array<GLenum, 3> kBuffers{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
-    glNamedFramebufferDrawBuffers(framebuffer.id(), 3, kBuffers.data());
-    width = new_width;
-    height = new_height;
-  }
-
-  void clear() const {
-    constexpr std::array<GLint, 4> kNoPolygon{-1, -1, -1, -1};
-    constexpr std::array<GLfloat, 4> kNothing{0, 0, 0, 0};
-    constexpr std::array<GLuint, 4> kNeverSeen{0, 0, 0, 0};
-    glClearNamedFramebufferiv(framebuffer.id(), GL_COLOR, 0, kNoPolygon.data());
-    glClearNamedFramebufferfv(framebuffer.id(), GL_COLOR, 1, kNothing.data());
-    glClearNamedFramebufferuiv(framebuffer.id(), GL_COLOR, 2, kNeverSeen.data());
-    glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, kNothing.data());
-  }
-
-  [[nodiscard]] cv::Mat read(GLenum attachment, GLenum format, GLenum type, int cv_type) const {
-    cv::Mat result(height, width, cv_type);
-    glNamedFramebufferReadBuffer(framebuffer.id(), attachment);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
-    glReadPixels(0, 0, width, height, format, type, result.data);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
-    return result;
-  }
-};
 
 }  // namespace
 
@@ -226,7 +186,10 @@ struct PredictedView::State {
   void draw_surface(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,
                     bool cull_back_faces, double near_plane, const SurfaceTarget& into) {
     model.place(placement, camera.undistorted(), world_from_camera, world_from_part, near_plane, false);
-    begin(into.framebuffer.id(), {0, 0, into.width, into.height}, false);
+    begin(into.framebuffer(), {0, 0, into.width(), into.height()}, false);
+    const TextureStore::Shown shown = store.acquire();
+    glBindTextureUnit(kCaptureTimesUnit, shown.capture_times);
+    store.release();
     into.clear();
     if (cull_back_faces) glEnable(GL_CULL_FACE);
     glUseProgram(surface_program.id());
@@ -238,14 +201,16 @@ struct PredictedView::State {
     target.resize(camera.width, camera.height, "camera");  // for its check of the driver's limits
     surface_target.resize(camera.width, camera.height);
     draw_surface(camera, world_from_camera, world_from_part, false, Style().near_plane, surface_target);
-    return {surface_target.read(GL_COLOR_ATTACHMENT0, GL_RED_INTEGER, GL_INT, CV_32S),
-            surface_target.read(GL_COLOR_ATTACHMENT1, GL_RED, GL_FLOAT, CV_32F),
-            surface_target.read(GL_COLOR_ATTACHMENT2, GL_RED_INTEGER, GL_UNSIGNED_BYTE, CV_8U)};
+    return {surface_target.read_polygons(), surface_target.read_inverse_z(), surface_target.read_provenance()};
   }
 };
 
 PredictedView::PredictedView(const TextureStore& store) : state_(std::make_unique<State>(store)) {}
 PredictedView::~PredictedView() = default;
+
+const TextureStore& PredictedView::store() const {
+  return state_->store;
+}
 
 void PredictedView::draw(const CameraModel& camera, const PredictedState& state, const Style& style, GLuint framebuffer,
                          const Viewport& viewport, bool flip) {
@@ -259,6 +224,12 @@ void PredictedView::draw_edges(const CameraModel& camera, const CaptureState& st
   style.wireframe = true;
   style.near_plane = near_plane;
   state_->draw(camera, state.world_from_camera, state.world_from_part, style, framebuffer, viewport, flip);
+}
+
+void PredictedView::draw_surface(const CameraModel& camera, const PredictedState& state, const Style& style,
+                                 const SurfaceTarget& into) {
+  state_->draw_surface(camera, state.world_from_camera, state.world_from_part, style.cull_back_faces, style.near_plane,
+                       into);
 }
 
 cv::Mat PredictedView::render(const CameraModel& camera, const PredictedState& state, const Style& style) {

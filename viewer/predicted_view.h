@@ -12,6 +12,8 @@
 
 namespace foreview {
 
+class SurfaceTarget;
+
 /// How PredictedView draws.
 struct ViewStyle {
   bool holes_pink = false;  ///< filled texels and never-seen polygons in pink (the dissertation's figures)
@@ -82,6 +84,11 @@ class PredictedView {
   [[nodiscard]] Surface render_surface(const CameraModel& camera, const PredictedState& state);
   /// The same from a capture state, e.g. to find occluders' contours in a used picture (provenance not meaningful).
   [[nodiscard]] Surface render_surface(const CameraModel& camera, const CaptureState& state);
+  /// The same into a target whose size is the camera's, without reading it back. Of the style only near plane and
+  /// culling count.
+  void draw_surface(const CameraModel& camera, const PredictedState& state, const Style& style,
+                    const SurfaceTarget& into);
+  [[nodiscard]] const TextureStore& store() const;
 
  private:
   struct State;

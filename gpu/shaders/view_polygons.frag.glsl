@@ -2,6 +2,7 @@
 // Colour of a polygon at a pixel (default), with overlays over it (OVERLAYS), or with SURFACE what lies there. FAST:
 // with less filtering. See viewer/predicted_view.h.
 
+#include "capture_times.glsl"
 #include "exposure.glsl"
 #include "view_chart.glsl"
 
@@ -14,6 +15,7 @@ flat in uint polygon_index;
 layout(location = 0) out int surface_polygon;
 layout(location = 1) out float surface_inverse_z;
 layout(location = 2) out uint surface_provenance;  // 2 observed, 1 filled, 0 never seen
+layout(location = 3) out int surface_captured;     // when: capture_times.glsl
 #else
 layout(location = 0) out vec4 colour;
 #endif
@@ -36,6 +38,9 @@ void main() {
 #ifdef SURFACE
   surface_polygon = int(polygon_index);
   surface_inverse_z = gl_FragCoord.w;
+  Chart chart = charts[polygon_index];
+  vec2 inside = clamp_nan_safe(chart_texel, vec2(0.5), chart.valid - 0.5);
+  surface_captured = textured ? capture_time(chart.origin + inside, int(chart.page)) : kNeverCaptured;
   surface_provenance = !textured ? 0u : chart_is_observed(polygon_index, chart_texel) ? 2u : 1u;
 #else
   vec3 rgb;
