@@ -50,6 +50,9 @@ struct DisplayLoop::State {
     result.period = options.period;
     result.frame = options.frame;
     result.margin = options.margin;
+    // A slice that takes longer than reckoned delays a frame by its excess; one that is reckoned too long costs a whole
+    // frame where it does not fit in any more. So more outliers are ignored than of frames.
+    result.slice_cost = LearntCost::Options{.ignored = 3};
     result.slices = bounds_of(extraction);
     return result;
   }
@@ -118,8 +121,10 @@ struct DisplayLoop::State {
 
   /// As much of it as there is room for before the next frame.
   [[nodiscard]] FrameSchedule::Slice cut(const ExtractionSlice& slice) const {
-    const Duration room = schedule.frame_start() - platform.now();
-    const double fits = schedule.size_within(slice.kind, std::clamp(room, Duration{}, options.slice));
+    // Whatever happens now and then, it fits in before the frame; if there is room enough, it is usually this long.
+    const Duration room = std::max(schedule.frame_start() - platform.now(), Duration{});
+    const double fits =
+        std::min(schedule.size_within(slice.kind, room), schedule.typical_size_within(slice.kind, options.slice));
     return {slice.kind, std::clamp(fits, slice.least, slice.size)};
   }
 

@@ -82,7 +82,7 @@ class DisplayLoop {
  public:
   struct Options {
     Duration period{20'000'000};  ///< 1 / F_d
-    Duration slice{2'500'000};    ///< slices are cut to what takes no longer than this
+    Duration slice{2'500'000};    ///< slices are cut to what usually takes no longer than this
     Duration frame{5'000'000};    ///< first guess of what drawing a frame takes
     Duration margin{500'000};     ///< FrameSchedule::Options::margin
     /// present() may wait for the display's vertical blank; else what it takes is part of drawing the frame.

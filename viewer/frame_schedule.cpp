@@ -32,7 +32,7 @@ double ratio(Duration a, Duration b) {
 FrameSchedule::FrameSchedule(Options options, Timestamp start)
     : options_(std::move(options)),
       frame_ratio_(options_.cost),
-      slice_ratios_(options_.slices.size(), LearntCost(options_.cost)),
+      slice_ratios_(options_.slices.size(), LearntCost(options_.slice_cost.value_or(options_.cost))),
       last_(start),
       aim_(start),
       grant_end_(start),
@@ -62,8 +62,15 @@ Duration FrameSchedule::frame_cost() const {
 }
 
 double FrameSchedule::size_within(std::size_t kind, Duration duration) const {
+  return size_within(kind, duration, slice_ratios_.at(kind).high());
+}
+
+double FrameSchedule::typical_size_within(std::size_t kind, Duration duration) const {
+  return size_within(kind, duration, slice_ratios_.at(kind).median());
+}
+
+double FrameSchedule::size_within(std::size_t kind, Duration duration, double per_declared) const {
   const Bound& declared = options_.slices.at(kind);
-  const double per_declared = slice_ratios_[kind].high();
   // Two nanoseconds less: cost() rounds up twice.
   const double left = (static_cast<double>(duration.nanoseconds) - 2) / per_declared -
                       static_cast<double>(declared.constant.nanoseconds) - 1;
@@ -117,7 +124,7 @@ void FrameSchedule::set_grid(Duration period, Timestamp deadline, Timestamp now)
 void FrameSchedule::set_slices(std::vector<Bound> slices) {
   assert(in_flight_ != InFlight::slice);
   options_.slices = std::move(slices);
-  slice_ratios_.assign(options_.slices.size(), LearntCost(options_.cost));
+  slice_ratios_.assign(options_.slices.size(), LearntCost(options_.slice_cost.value_or(options_.cost)));
 }
 
 void FrameSchedule::aim_on_grid(Timestamp deadline, Timestamp now) {

@@ -90,7 +90,8 @@ class FrameSchedule {
     Duration margin{500'000};       ///< between a frame's expected completion and its deadline: waking up, measuring
     Duration t_diff{100'000};       ///< spec 10
     Duration t_min{10'000'000};     ///< spec 10
-    LearntCost::Options cost = {};  ///< of slices and frames alike
+    LearntCost::Options cost = {};  ///< of frames, and of slices where nothing else is said
+    std::optional<LearntCost::Options> slice_cost = {};
   };
   struct Slice {
     std::size_t kind = 0;  ///< index into Options::slices
@@ -147,6 +148,9 @@ class FrameSchedule {
   [[nodiscard]] Duration frame_cost() const;
   /// The largest slice of the kind that is reckoned to take no longer than `duration`; 0: none.
   [[nodiscard]] double size_within(std::size_t kind, Duration duration) const;
+  /// The largest one that takes half of the time no longer than `duration`: by the median of what was learnt, where
+  /// size_within() goes by what to reckon with. For the length of slices when no frame is near.
+  [[nodiscard]] double typical_size_within(std::size_t kind, Duration duration) const;
   /// The next deadline aimed at, and when its frame is to be started: the room for slices ends there.
   [[nodiscard]] Timestamp deadline() const { return aim_; }
   [[nodiscard]] Timestamp frame_start() const;
@@ -164,6 +168,7 @@ class FrameSchedule {
   [[nodiscard]] Duration reserve() const;  ///< a frame's cost and the margin
   [[nodiscard]] Duration tolerance() const { return {options_.period.nanoseconds / 4}; }
   [[nodiscard]] Duration bound(const Slice& slice) const;  ///< declared
+  [[nodiscard]] double size_within(std::size_t kind, Duration duration, double per_declared) const;
   /// The first of aim, aim + period, ... that a frame started at `start` meets with `delay` at most.
   [[nodiscard]] Timestamp reachable(Timestamp aim, Timestamp start, Duration delay) const;
   void aim_on_grid(Timestamp deadline, Timestamp now);
@@ -175,7 +180,7 @@ class FrameSchedule {
 
   Options options_;
   LearntCost frame_ratio_;
-  std::vector<LearntCost> slice_ratios_;
+  std::vector<LearntCost> slice_ratios_;  ///< by kind
   std::int64_t submultiple_ = 1;
 
   Timestamp last_;  ///< the last deadline disposed of

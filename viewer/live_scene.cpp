@@ -42,8 +42,15 @@ LiveScene::~LiveScene() {
 void LiveScene::replace_extraction(const ExtractionOptions& options) {
   in_extraction_context(platform_, [&] {
     auto made = make_extraction_pipeline(options_.pipeline, *store_, options_.charts, options);
-    // What it began would be written by two.
-    extraction_->clear();
+    // What was begun would be written by two; and to abandon it would forget what is shown.
+    while (extraction_->is_busy()) {
+      if (const auto slice = extraction_->pending_slice()) {
+        static_cast<void>(extraction_->run_slice(slice->size));
+        platform_.finish("extracting textures");
+      } else {
+        store_->wait_for_free_set();
+      }
+    }
     made->adopt_store();
     extraction_ = std::move(made);
     options_.extraction = options;

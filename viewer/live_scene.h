@@ -39,8 +39,8 @@ class LiveScene {
   [[nodiscard]] TextureStore& store() { return *store_; }
   [[nodiscard]] ExtractionPipeline& extraction() { return *extraction_; }
   /// A pipeline with other options in the place of extraction(), which must not be in use any more: first
-  /// DisplayLoop::set_extraction(nullptr). What textures hold stays. InputError where the options cannot be; then the
-  /// old one stays.
+  /// DisplayLoop::set_extraction(nullptr). What textures hold stays; a picture that was begun is finished first. Waits
+  /// for the GPU. InputError where the options cannot be; then the old one stays.
   void replace_extraction(const ExtractionOptions& options);
   /// As begun: nothing seen but the initial textures. For DisplayLoop::Callbacks::restart, in the extraction's context.
   void restart();

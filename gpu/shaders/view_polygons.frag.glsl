@@ -10,6 +10,11 @@ layout(std430, binding = 2) readonly buffer PolygonStates { vec4 polygon_states[
 
 in vec2 chart_texel;
 flat in uint polygon_index;
+#ifdef FAST
+flat in vec4 polygon_state;
+flat in vec4 chart_block;
+flat in vec3 chart_inside;
+#endif
 
 #ifdef SURFACE
 layout(location = 0) out int surface_polygon;
@@ -30,8 +35,25 @@ vec3 back_face_colour(vec3 mean_colour) {
   return mix(vec3(dot(mean_colour, vec3(0.299, 0.587, 0.114))), mean_colour, 0.5);
 }
 
+vec4 own_state() {
+#ifdef FAST
+  return polygon_state;
+#else
+  return polygon_states[polygon_index];
+#endif
+}
+
+vec3 own_colour(vec2 texel_per_x, vec2 texel_per_y) {
+#ifdef FAST
+  Chart chart = Chart(chart_block.xy, chart_block.zw, chart_inside.xy, chart_inside.z, 0.0);
+  return chart_colour_fast(chart, chart_texel, texel_per_x, texel_per_y);
+#else
+  return chart_colour(polygon_index, chart_texel, texel_per_x, texel_per_y);
+#endif
+}
+
 void main() {
-  vec4 state = polygon_states[polygon_index];
+  vec4 state = own_state();
   bool textured = gl_FrontFacing && state.a >= 1.0;
   vec2 texel_per_x = dFdx(chart_texel);
   vec2 texel_per_y = dFdy(chart_texel);
@@ -45,7 +67,7 @@ void main() {
 #else
   vec3 rgb;
   if (textured) {
-    rgb = exposed(chart_colour(polygon_index, chart_texel, texel_per_x, texel_per_y), shown_gain.rgb);
+    rgb = exposed(own_colour(texel_per_x, texel_per_y), shown_gain.rgb);
   } else {
     vec3 mean_colour = exposed(state.rgb, shown_gain.rgb);
     rgb = gl_FrontFacing ? mean_colour : back_face_colour(mean_colour);

@@ -549,6 +549,21 @@ TEST(FrameSchedule, WhatIsKnownToTakeLongIsNoStop) {
   EXPECT_EQ(desk.schedule.statistics().extraction, ms(4'800));
 }
 
+TEST(FrameSchedule, KnowsWhatSlicesUsuallyTakeBesideWhatToReckonWith) {
+  Desk desk(desk_options());
+  for (int i = 0; i < 40; ++i) desk.slice({1, 0.5}, i % 4 == 0 ? us(2'200) : us(1'100));
+  EXPECT_EQ(desk.schedule.cost({1, 0.5}), us(2'200));
+  EXPECT_NEAR(desk.schedule.size_within(1, us(2'200)), 0.5, 1e-3);
+  EXPECT_NEAR(desk.schedule.typical_size_within(1, us(1'100)), 0.5, 1e-3);
+}
+
+TEST(FrameSchedule, OtherKindsOfSlicesBeginAsDeclared) {
+  Desk desk(desk_options());
+  for (int i = 0; i < 40; ++i) desk.slice({1, 0.5}, us(550));
+  desk.schedule.set_slices({{us(300), us(0)}});
+  EXPECT_EQ(desk.schedule.cost({0, 1}), us(300));
+}
+
 TEST(FrameSchedule, CostsAreLearntByKindAndSize) {
   Desk desk(desk_options());
   EXPECT_EQ(desk.schedule.cost({1, 0.5}), us(1'100)) << "as declared";

@@ -9,6 +9,7 @@
 
 #include "foreview/gpu/extraction.h"
 #include "foreview/viewer/display_loop.h"
+#include "foreview/viewer/live_scene.h"
 #include "gpu/gl_test_fixture.h"
 #include "viewer/simulated_loop.h"
 #include "viewer/small_recording.h"
@@ -204,6 +205,47 @@ TEST_P(PublishingInLoop, EveryFrameShowsAllTexturesOfOnePicture) {
     pipeline.reset();
     store.reset();
   });
+}
+
+TEST_P(PublishingInLoop, ExtractionIsReplacedWithoutLosingTextures) {
+  LiveScene::Options options;
+  options.pipeline = GetParam();
+  options.extraction = options_;
+  options.charts = charts_;
+  options.debug = true;
+  LiveScene scene(*model_, options, context().display(), context().context(), [] { context().make_current(); });
+  const auto shown = [&] {
+    const Textures textures = read(scene.store(), scene.store().acquire());
+    scene.store().release();
+    return textures;
+  };
+  const std::vector<Textures> pictures = expected();
+  const auto extract = [&](const CameraFrame& frame, bool all) {
+    in_extraction_context(scene.platform(), [&] {
+      scene.extraction().begin(frame);
+      scene.store().wait_for_free_set();
+      do {
+        const auto slice = scene.extraction().pending_slice();
+        ASSERT_TRUE(slice);
+        static_cast<void>(scene.extraction().run_slice(all ? slice->size : slice->least));
+        scene.platform().finish("a slice");
+      } while (all && scene.extraction().is_busy());
+    });
+  };
+  extract(source_.pictures[0], true);
+  EXPECT_TRUE(same(shown(), pictures[1]));
+  ExtractionOptions other = options_;
+  other.passes = 1;
+  scene.replace_extraction(other);
+  EXPECT_TRUE(same(shown(), pictures[1]));
+  // One that was begun is finished.
+  extract(source_.pictures[1], false);
+  scene.replace_extraction(options_);
+  EXPECT_FALSE(scene.extraction().is_busy());
+  EXPECT_FALSE(same(shown(), pictures[1]));
+  other.passes = 100;
+  EXPECT_THROW(scene.replace_extraction(other), InputError);
+  extract(source_.pictures[2], true);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, PublishingInLoop,
