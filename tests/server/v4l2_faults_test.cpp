@@ -59,6 +59,15 @@ TEST_F(V4l2FaultsTest, ADriverThatClaimsMoreThanItsBufferHoldsIsNotBelieved) {
   expect_tenth_dropped(&V4l2Camera::Statistics::wrong_size);
 }
 
+TEST_F(V4l2FaultsTest, NothingIsReadBeyondTheBufferInSearchOfAJpegsEnd) {
+  device.modes = {{V4L2_PIX_FMT_MJPEG, 64, 48}};
+  spoil_every_tenth([](Frame& frame) {
+    frame.bytes.resize(frame.bytes.size() / 2);
+    frame.bytes_used = 0xffffffff;
+  });
+  expect_tenth_dropped(&V4l2Camera::Statistics::short_frames);
+}
+
 TEST_F(V4l2FaultsTest, JpegsOfAnotherSizeAreDropped) {
   device.modes = {{V4L2_PIX_FMT_MJPEG, 64, 48}};
   spoil_every_tenth([](Frame& frame) {
@@ -94,6 +103,16 @@ TEST_F(V4l2FaultsTest, ImpossibleStampsAreDropped) {
     spoil_every_tenth([=](Frame& frame) { frame.stamp_us = stamp_us; });
     expect_tenth_dropped(&V4l2Camera::Statistics::bad_stamps);
   }
+}
+
+TEST_F(V4l2FaultsTest, AnOldStampIsDroppedEvenIfItIsTheFirst) {
+  device.make_frame = [](SimulatedCamera& camera, std::uint32_t number) {
+    Frame frame = SimulatedCamera::good_frame(camera, number);
+    if (number < 2) frame.stamp_us = (camera.monotonic() - (number == 0 ? seconds(11) : seconds(9))).nanoseconds / 1000;
+    return frame;
+  };
+  EXPECT_EQ(capture(seconds(1)).at(0).sequence, 1u);
+  EXPECT_EQ(camera().statistics().bad_stamps, 1u);
 }
 
 TEST_F(V4l2FaultsTest, StampsThatStandStillAreDropped) {
