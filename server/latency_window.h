@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <deque>
 #include <vector>
@@ -21,7 +22,7 @@ class LatencyWindow {
   [[nodiscard]] Duration quantile(double fraction) const {
     if (last_.empty()) return {};
     std::vector<Duration> sorted(last_.begin(), last_.end());
-    const auto rank = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(sorted.size() - 1) + 0.5);
+    const auto rank = static_cast<std::ptrdiff_t>(std::lround(fraction * static_cast<double>(sorted.size() - 1)));
     std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
     return sorted[static_cast<std::size_t>(rank)];
   }

@@ -41,7 +41,7 @@ struct Waiting {
 };
 
 /// One camera's stream.
-struct Stream {
+struct CameraStream {
   std::optional<CameraModel> model;
   std::string frame;  ///< optical frame, once known
   std::deque<Waiting> waiting;
@@ -62,7 +62,7 @@ struct LiveSource::State {
       throw InputError("live source", "has no camera " + std::to_string(options.operator_camera));
     }
     for (const LiveSource::Camera& camera : options.cameras) {
-      streams.push_back(std::make_unique<Stream>());
+      streams.push_back(std::make_unique<CameraStream>());
       streams.back()->frame = camera.frame;
     }
     worker = std::thread([this] { work_until_stopped(); });
@@ -82,7 +82,7 @@ struct LiveSource::State {
   // With `mutex` held.
 
   void arrive(std::size_t camera, EncodedPicture picture, const Reception& reception) {
-    Stream& stream = *streams.at(camera);
+    CameraStream& stream = *streams.at(camera);
     const Timestamp stamp = header_of(picture).stamp;
     wall_from_steady = reception.wall - reception.steady;
     if (stream.restart.begins_anew(stamp)) begin_generation();
@@ -112,7 +112,7 @@ struct LiveSource::State {
     }
   }
 
-  void drop(Stream& stream, std::size_t place, std::size_t& count) {
+  void drop(CameraStream& stream, std::size_t place, std::size_t& count) {
     waiting_bytes -= bytes_of(stream.waiting[place].picture);
     stream.waiting.erase(stream.waiting.begin() + static_cast<std::ptrdiff_t>(place));
     ++count;
@@ -190,7 +190,7 @@ struct LiveSource::State {
   std::optional<Task> next_task(Timestamp now, Timestamp& next) {
     for (std::size_t turn = 0; turn < streams.size(); ++turn) {
       const std::size_t camera = (first_turn + turn) % streams.size();
-      Stream& stream = *streams[camera];
+      CameraStream& stream = *streams[camera];
       std::optional<std::size_t> best;
       std::optional<CaptureState> state;
       for (std::size_t i = stream.waiting.size(); i-- > 0;) {
@@ -266,7 +266,7 @@ struct LiveSource::State {
       const Timestamp done = steady_now();
       lock.lock();
       is_in_work = false;
-      Stream& stream = *streams[task->camera];
+      CameraStream& stream = *streams[task->camera];
       if (picture.empty()) {
         ++counts.damaged;
         spdlog::log(stream.has_told_damage ? spdlog::level::debug : spdlog::level::warn, "picture dropped: {}", damage);
@@ -293,7 +293,7 @@ struct LiveSource::State {
   const Options options;
   mutable std::mutex mutex;
   std::condition_variable work;
-  std::vector<std::unique_ptr<Stream>> streams;
+  std::vector<std::unique_ptr<CameraStream>> streams;
   TfBuffer tf;
   SimulatedLink link;
   ClockEstimate clock;
@@ -333,7 +333,7 @@ void LiveSource::on_camera_info(std::size_t camera, const CameraInfoMessage& inf
   }
   {
     const std::lock_guard lock(state_->mutex);
-    Stream& stream = *state_->streams[camera];
+    CameraStream& stream = *state_->streams[camera];
     if (model) stream.model = std::move(model);
     if (!error.empty() && error != stream.bad_info) spdlog::warn("{}", error);
     stream.bad_info = error;
