@@ -41,6 +41,7 @@ Duration Duration::parse(std::string_view text, const std::string& what) {
   if (unit == "ms") scale = 1e-3;
   if (unit == "us") scale = 1e-6;
   if (unit == "min") scale = 60;
+  if (unit == "h") scale = 3600;
   if (error != std::errc() || scale == 0 || !(std::abs(number * scale) < 9.2e9)) {
     throw InputError(what,
                      "'" + std::string(text) + "' is no duration; expected a number with a unit, as in 500ms or 0.5s");

@@ -14,7 +14,7 @@ struct Duration {
   [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   /// Rounds to the nearest nanosecond.
   [[nodiscard]] static Duration from_seconds(double seconds);
-  /// Reads "500ms", "0.5s", "2 s", "40us" or a plain number of seconds. Throws InputError naming `what`.
+  /// Reads "500ms", "0.5s", "2 s", "40us", "5min", "1h" or a plain number of seconds. Throws InputError naming `what`.
   [[nodiscard]] static Duration parse(std::string_view text, const std::string& what);
 };
 

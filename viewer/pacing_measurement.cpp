@@ -97,8 +97,7 @@ PacingRun measure_pacing(LiveScene& scene, FrameSource& source, const PacingRequ
   bool goes_on = true;
   for (Timestamp interval = run.started; goes_on && interval < end;) {
     interval = std::min(interval + PacingRun::kInterval, end);
-    while ((goes_on = platform.now() < interval && loop.run_frame())) {
-    }
+    loop.run_until(interval);
     goes_on = platform.now() >= interval;  // else poll() asked for the end
     const FrameSchedule::Statistics now = loop.statistics().schedule;
     run.intervals.push_back(interval_of(run, difference(now, last), platform.now()));

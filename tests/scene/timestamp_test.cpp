@@ -36,6 +36,8 @@ TEST(Duration, ReadsUnits) {
   EXPECT_EQ(Duration::parse("0.5 s", "--delay").nanoseconds, 500000000);
   EXPECT_EQ(Duration::parse("2", "--delay").nanoseconds, 2000000000);
   EXPECT_EQ(Duration::parse("40us", "--delay").nanoseconds, 40000);
+  EXPECT_EQ(Duration::parse("2min", "--duration").nanoseconds, 120'000'000'000);
+  EXPECT_EQ(Duration::parse("1h", "--duration").nanoseconds, 3'600'000'000'000);
 }
 
 TEST(Duration, NamesTheOptionInItsError) {
