@@ -38,10 +38,11 @@ void ChartBlocks::list(const std::vector<std::uint32_t>& groups) {
                        blocks_.data());
 }
 
-void ChartBlocks::dispatch() const {
+void ChartBlocks::dispatch(std::size_t begin, std::size_t size) const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffer_.id());
-  for (std::size_t first = 0; first < blocks_.size(); first += kGroupsPerDispatch) {
-    const std::size_t count = std::min(kGroupsPerDispatch, blocks_.size() - first);
+  const std::size_t end = begin + size;
+  for (std::size_t first = begin; first < end; first += kGroupsPerDispatch) {
+    const std::size_t count = std::min(kGroupsPerDispatch, end - first);
     const std::size_t columns = std::min(count, kGroupsPerRow);
     glUniform1ui(0, static_cast<GLuint>(first));
     glUniform1ui(1, static_cast<GLuint>(count));

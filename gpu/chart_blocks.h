@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,10 @@ class ChartBlocks {
   void list(const std::vector<std::uint32_t>& groups);
   [[nodiscard]] bool empty() const { return blocks_.empty(); }
   /// Runs the current program, which must have been bound what it needs but the list, over all listed blocks.
-  void dispatch() const;
+  void dispatch() const { dispatch(0, blocks_.size()); }
+  /// The same over some of them.
+  void dispatch(std::size_t first, std::size_t count) const;
+  [[nodiscard]] std::size_t size() const { return blocks_.size(); }
 
  private:
   const ChartLayout& layout_;

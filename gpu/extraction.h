@@ -153,8 +153,8 @@ class ExtractionPipeline {
 
   /// Forgets all that has been seen. A picture that was begun is abandoned: no texture will show anything of it.
   virtual void clear() = 0;
-  /// Takes over what the store's charts hold now (after textures were loaded from a file). A picture that was begun is
-  /// abandoned.
+  /// Takes over what the store's charts hold now (after textures were loaded from a file). Not while is_busy(): before
+  /// a store is written to by others, the picture must be finished, or abandoned by clear().
   virtual void adopt_store() = 0;
   /// Fill the statistics' times; anything but `off` slows the pipeline down.
   virtual void set_timing(ExtractionTiming timing) = 0;

@@ -17,6 +17,10 @@ namespace {
 
 /// What a copy command costs beside its bytes, expressed in bytes: about 1 us at 10 GB/s.
 constexpr std::size_t kBytesPerCommand = 10'000;
+/// Of a block, with all its levels.
+constexpr std::size_t kBytesPerBlock = (256 + 64 + 16 + 4 + 1) * 4;
+/// Whole pages are copied in bands of so many rows.
+constexpr int kBandRows = 32;
 
 std::size_t blocks_of(const ChartGroup& group) {
   return static_cast<std::size_t>(group.size.x / kChartAlignment) *
@@ -43,32 +47,53 @@ PageCopier::PageCopier(const ChartLayout& layout, std::vector<GLuint> sets)
 }
 
 void PageCopier::copy(const std::vector<std::uint32_t>& groups, std::size_t from, std::size_t to) {
+  begin(groups, from, to);
+  if (left_ > 0) run(left_);
+}
+
+std::size_t PageCopier::Command::cost() const {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4 + kBytesPerCommand;
+}
+
+void PageCopier::restart(std::size_t from, std::size_t to) {
   assert(from != to);
+  from_ = from;
+  to_ = to;
+  left_ = next_ = 0;
+  commands_.clear();
+}
+
+void PageCopier::begin(const std::vector<std::uint32_t>& groups, std::size_t from, std::size_t to) {
+  restart(from, to);
+  by_commands_ = method_ == Method::commands;
   if (groups.empty()) return;
-  if (method_ == Method::commands) {
-    copy_by_commands(groups, sets_[from], sets_[to]);
+  if (by_commands_) {
+    list_commands(groups);
   } else {
-    copy_by_dispatch(groups, from, sets_[to]);
+    blocks_.list(groups);
+    left_ = blocks_.size() * kBytesPerBlock;
   }
 }
 
-void PageCopier::copy_level(int level, GLuint from, GLuint to, int first_page, int pages) const {
+void PageCopier::begin_all(std::size_t from, std::size_t to) {
+  restart(from, to);
+  by_commands_ = true;
+  for (int page = 0; page < static_cast<int>(layout_.pages); ++page) {
+    for (int level = 0; level < kChartLevels; ++level) add_level(level, page);
+  }
+}
+
+void PageCopier::add(const Command& command) {
+  commands_.push_back(command);
+  left_ += command.cost();
+}
+
+void PageCopier::add_level(int level, int page) {
   const int size = layout_.page_size >> level;
-  glCopyImageSubData(from, GL_TEXTURE_2D_ARRAY, level, 0, 0, first_page, to, GL_TEXTURE_2D_ARRAY, level, 0, 0,
-                     first_page, size, size, pages);
+  for (int row = 0; row < size; row += kBandRows) add({level, page, 0, row, size, std::min(kBandRows, size - row)});
 }
 
-void PageCopier::copy_all(std::size_t from, std::size_t to) const {
-  assert(from != to);
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  for (int level = 0; level < kChartLevels; ++level) {
-    copy_level(level, sets_[from], sets_[to], 0, static_cast<int>(layout_.pages));
-  }
-}
-
-void PageCopier::copy_by_commands(const std::vector<std::uint32_t>& groups, GLuint from, GLuint to) {
-  // GL names no barrier bit for this command alone.
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+void PageCopier::list_commands(const std::vector<std::uint32_t>& groups) {
   std::ranges::fill(shares_, Share{});
   for (const std::uint32_t index : groups) {
     const ChartGroup& group = layout_.groups[index];
@@ -85,30 +110,52 @@ void PageCopier::copy_by_commands(const std::vector<std::uint32_t>& groups, GLui
   };
   for (std::uint32_t page = 0; page < layout_.pages; ++page) {
     for (int level = 0; level < kChartLevels && shares_[page].groups > 0; ++level) {
-      if (is_whole(shares_[page], level)) copy_level(level, from, to, static_cast<int>(page), 1);
+      if (is_whole(shares_[page], level)) add_level(level, static_cast<int>(page));
     }
   }
   for (const std::uint32_t index : groups) {
     const ChartGroup& group = layout_.groups[index];
-    const auto page = static_cast<int>(group.page);
     for (int level = 0; level < kChartLevels && !is_whole(shares_[group.page], level); ++level) {
-      const int x = group.origin.x >> level, y = group.origin.y >> level;
-      glCopyImageSubData(from, GL_TEXTURE_2D_ARRAY, level, x, y, page, to, GL_TEXTURE_2D_ARRAY, level, x, y, page,
-                         group.size.x >> level, group.size.y >> level, 1);
+      add({level, static_cast<int>(group.page), group.origin.x >> level, group.origin.y >> level, group.size.x >> level,
+           group.size.y >> level});
     }
   }
 }
 
-void PageCopier::copy_by_dispatch(const std::vector<std::uint32_t>& groups, std::size_t from, GLuint to) {
-  blocks_.list(groups);
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+void PageCopier::run(std::size_t bytes) {
+  assert(left_ > 0);
+  // GL names no barrier bit for copies between images alone.
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  if (by_commands_) {
+    run_commands(bytes);
+  } else {
+    run_dispatch(bytes);
+  }
+}
+
+void PageCopier::run_commands(std::size_t bytes) {
+  for (std::size_t done = 0; left_ > 0;) {
+    const Command& c = commands_[next_];
+    if (done > 0 && done + c.cost() > bytes) break;
+    glCopyImageSubData(sets_[from_], GL_TEXTURE_2D_ARRAY, c.level, c.x, c.y, c.page, sets_[to_], GL_TEXTURE_2D_ARRAY,
+                       c.level, c.x, c.y, c.page, c.width, c.height, 1);
+    done += c.cost();
+    left_ -= c.cost();
+    ++next_;
+  }
+}
+
+void PageCopier::run_dispatch(std::size_t bytes) {
   glUseProgram(program_.id());
-  glBindTextureUnit(0, bits_[from].id());
+  glBindTextureUnit(0, bits_[from_].id());
   glBindSampler(0, 0);
   for (int level = 0; level < kChartLevels; ++level) {
-    glBindImageTexture(static_cast<GLuint>(level), to, level, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
+    glBindImageTexture(static_cast<GLuint>(level), sets_[to_], level, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
   }
-  blocks_.dispatch();
+  const std::size_t count = std::clamp<std::size_t>(bytes / kBytesPerBlock, 1, blocks_.size() - next_);
+  blocks_.dispatch(next_, count);
+  next_ += count;
+  left_ -= count * kBytesPerBlock;
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 

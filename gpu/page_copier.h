@@ -24,8 +24,14 @@ class PageCopier {
   /// lies in the same pages may be copied too: `from` must nowhere be older than `to`. Waits for nothing; issues the
   /// barriers that writers before and readers after it need; changes the program and bindings (see TextureStore).
   void copy(const std::vector<std::uint32_t>& groups, std::size_t from, std::size_t to);
+  /// The same in pieces: begin() or begin_all() issues nothing, run() does, until nothing is left().
+  void begin(const std::vector<std::uint32_t>& groups, std::size_t from, std::size_t to);
   /// Whole pages, by commands.
-  void copy_all(std::size_t from, std::size_t to) const;
+  void begin_all(std::size_t from, std::size_t to);
+  /// Bytes, with what a command costs beside its own.
+  [[nodiscard]] std::size_t left() const { return left_; }
+  /// About so many bytes of what is left, at least one command or block.
+  void run(std::size_t bytes);
   [[nodiscard]] Method method() const { return method_; }
   void set_method(Method method) { method_ = method; }
   /// Times both methods with some groups of the layout and keeps the faster one. Takes some milliseconds and waits for
@@ -33,9 +39,17 @@ class PageCopier {
   void choose_method(std::size_t from, std::size_t to);
 
  private:
-  void copy_by_commands(const std::vector<std::uint32_t>& groups, GLuint from, GLuint to);
-  void copy_by_dispatch(const std::vector<std::uint32_t>& groups, std::size_t from, GLuint to);
-  void copy_level(int level, GLuint from, GLuint to, int first_page, int pages) const;
+  struct Command {
+    int level = 0, page = 0;
+    int x = 0, y = 0, width = 0, height = 0;  ///< texels at the level
+    [[nodiscard]] std::size_t cost() const;
+  };
+  void restart(std::size_t from, std::size_t to);
+  void add(const Command& command);
+  void add_level(int level, int page);
+  void list_commands(const std::vector<std::uint32_t>& groups);
+  void run_commands(std::size_t bytes);
+  void run_dispatch(std::size_t bytes);
 
   const ChartLayout& layout_;
   std::vector<GLuint> sets_;
@@ -47,6 +61,11 @@ class PageCopier {
     std::size_t groups = 0, texels = 0;
   };
   std::vector<Share> shares_;  ///< of a page in one copy
+  // What is being copied.
+  std::size_t from_ = 0, to_ = 0, left_ = 0;
+  bool by_commands_ = true;
+  std::vector<Command> commands_;
+  std::size_t next_ = 0;  ///< command or block
 };
 
 }  // namespace foreview

@@ -154,23 +154,48 @@ bool TextureSets::begin(Begin how) {
     done.push_back(std::move(set.written));
   }
   writing_ = true;
-  if (how == Begin::update) bring_up_to_date(current_, newest);
+  if (how != Begin::replace) {
+    source_ = newest;
+    small_things_left_ = true;
+    if (sets_[current_].all_stale) {
+      copier_->begin_all(newest, current_);
+    } else {
+      copier_->begin(sets_[current_].stale, newest, current_);
+    }
+  }
   forget_stale(sets_[current_]);
+  if (how == Begin::update) catch_up(catch_up_left());
   return true;
 }
 
-void TextureSets::bring_up_to_date(std::size_t set, std::size_t newest) {
-  if (sets_[set].all_stale) {
-    copier_->copy_all(newest, set);
-  } else {
-    copier_->copy(sets_[set].stale, newest, set);
-  }
-  glCopyNamedBufferSubData(sets_[newest].polygon_states.id(), sets_[set].polygon_states.id(), 0, 0,
+std::size_t TextureSets::catch_up_left() const {
+  return publishing_ == Publishing::direct || !writing_ ? 0 : copier_->left() + (small_things_left_ ? 1 : 0);
+}
+
+void TextureSets::catch_up(std::size_t bytes) {
+  if (small_things_left_) copy_small_things();
+  small_things_left_ = false;
+  if (copier_->left() > 0) copier_->run(bytes);
+}
+
+void TextureSets::abandon() {
+  assert(writing_);
+  writing_ = touching_all_ = small_things_left_ = false;
+  if (publishing_ == Publishing::direct) return;
+  // What it holds is neither one picture nor another.
+  sets_[current_].all_stale = true;
+  const std::lock_guard lock(mutex_);
+  current_ = newest_;
+}
+
+void TextureSets::copy_small_things() {
+  const Set &from = sets_[source_], &to = sets_[current_];
+  glCopyNamedBufferSubData(from.polygon_states.id(), to.polygon_states.id(), 0, 0,
                            static_cast<GLsizeiptr>(polygons_ * 4 * sizeof(float)));
-  glCopyNamedBufferSubData(sets_[newest].exposure.id(), sets_[set].exposure.id(), 0, 0, sizeof(Exposure));
+  glCopyNamedBufferSubData(from.exposure.id(), to.exposure.id(), 0, 0, sizeof(Exposure));
   // All of it, less than a hundredth of the pages: cheaper than a command for each chart.
   const int blocks = layout_.page_size / kChartAlignment;
-  glCopyImageSubData(sets_[newest].capture_times.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, sets_[set].capture_times.id(),
+  glCopyImageSubData(from.capture_times.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, to.capture_times.id(),
                      GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, blocks, blocks, static_cast<GLsizei>(layout_.pages));
 }
 

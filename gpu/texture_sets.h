@@ -60,10 +60,16 @@ class TextureSets {
 
   enum class Begin {
     update,   ///< bring the set up to what the newest one holds
+    later,    ///< the same, but by catch_up()
     replace,  ///< all of it is going to be written: leave its contents as they are
   };
   /// See TextureStore::begin_picture().
   bool begin(Begin how);
+  /// See TextureStore::catch_up().
+  void catch_up(std::size_t bytes);
+  [[nodiscard]] std::size_t catch_up_left() const;
+  /// See TextureStore::abandon_picture().
+  void abandon();
   [[nodiscard]] bool has_free_set();
   void wait_for_free_set();
   /// Ends what begin() began; `touched` are the polygons whose charts were written. `is_picture`: Shown counts it.
@@ -117,7 +123,7 @@ class TextureSets {
   [[nodiscard]] std::size_t newest_complete() const;
   [[nodiscard]] std::optional<std::size_t> find_free() const;
 
-  void bring_up_to_date(std::size_t set, std::size_t newest);
+  void copy_small_things();
   static void forget_stale(Set& set);
   static void forget_capture_times(const Set& set);
   static void clear(const Set& set);
@@ -130,6 +136,8 @@ class TextureSets {
 
   // Extraction's own.
   std::size_t current_ = 0;  ///< being written, else newest
+  std::size_t source_ = 0;   ///< the set that the one being written is brought up to
+  bool small_things_left_ = false;
   bool writing_ = false, touching_all_ = false;
   std::uint64_t pictures_ = 0;
   std::optional<Timestamp> newest_capture_, epoch_;

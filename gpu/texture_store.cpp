@@ -113,6 +113,10 @@ bool TextureStore::begin_picture() {
   return sets_->begin(TextureSets::Begin::update);
 }
 
+bool TextureStore::begin_picture_in_pieces() {
+  return sets_->begin(TextureSets::Begin::later);
+}
+
 void TextureStore::wait_for_free_set() {
   sets_->wait_for_free_set();
 }
@@ -185,48 +189,75 @@ void TextureStore::spread(unsigned max_rims, bool may_wait) {
   publish(TextureSets::Begin::update, [&] { spread_in_current_set(max_rims, may_wait); });
 }
 
-void TextureStore::spread_in_current_set(unsigned max_rims, bool may_wait) {
-  const std::size_t polygons = model_.polygons().size();
+void TextureStore::bind_for_spreading() {
   const std::array<GLuint, 5> buffers{polygon_states(), tools_->first_neighbour.id(), tools_->neighbours.id(),
                                       tools_->rims.id(), tools_->commands.id()};
   for (GLuint i = 0; i < buffers.size(); ++i) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]);
-  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, tools_->commands.id());
+}
 
+void TextureStore::begin_spreading() {
+  const std::size_t polygons = model_.polygons().size();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   glUseProgram(tools_->spread_begin.id());
   glUniform1ui(0, static_cast<GLuint>(polygons));
   count_draw();
   glDispatchCompute(groups_of(polygons), 1, 1);
+}
 
+void TextureStore::spread_rims(unsigned first, unsigned count) {
   glUseProgram(tools_->spread_pass.id());
-  glUniform1ui(0, static_cast<GLuint>(polygons));
-  for (unsigned done = 0; done < max_rims;) {
-    glCopyNamedBufferSubData(tools_->first_commands.id(), tools_->commands.id(), 0, 0,
-                             (kPassesPerRound + 1) * sizeof(DispatchCommand));
-    const unsigned passes = std::min(kPassesPerRound, max_rims - done);
-    for (unsigned pass = 0; pass < passes; ++pass) {
-      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-      glUniform1ui(1, done + pass + 1);
-      glUniform1ui(2, pass + 1);
-      count_draw();
-      glDispatchComputeIndirect(static_cast<GLintptr>(pass * sizeof(DispatchCommand)));
+  glUniform1ui(0, static_cast<GLuint>(model_.polygons().size()));
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, tools_->commands.id());
+  for (unsigned rim = first; rim < first + count; ++rim) {
+    const unsigned pass = rim % kPassesPerRound;
+    if (pass == 0) {
+      glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+      glCopyNamedBufferSubData(tools_->first_commands.id(), tools_->commands.id(), 0, 0,
+                               (kPassesPerRound + 1) * sizeof(DispatchCommand));
     }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glUniform1ui(1, rim + 1);
+    glUniform1ui(2, pass + 1);
+    count_draw();
+    glDispatchComputeIndirect(static_cast<GLintptr>(pass * sizeof(DispatchCommand)));
+  }
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
+}
+
+void TextureStore::end_spreading() {
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  glUseProgram(tools_->spread_end.id());
+  glUniform1ui(0, static_cast<GLuint>(model_.polygons().size()));
+  count_draw();
+  glDispatchCompute(1, 1, 1);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void TextureStore::spread_in_current_set(unsigned max_rims, bool may_wait) {
+  bind_for_spreading();
+  begin_spreading();
+  for (unsigned done = 0; done < max_rims;) {
+    const unsigned passes = std::min(kPassesPerRound, max_rims - done);
+    spread_rims(done, passes);
     done += passes;
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     if (may_wait) {
+      glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
       DispatchCommand next;
       glGetNamedBufferSubData(tools_->commands.id(), static_cast<GLintptr>(passes * sizeof next), sizeof next, &next);
       if (next.x == 0) break;
     }
   }
-  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
+  end_spreading();
+}
 
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  glUseProgram(tools_->spread_end.id());
-  glUniform1ui(0, static_cast<GLuint>(polygons));
-  count_draw();
-  glDispatchCompute(1, 1, 1);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+void TextureStore::spread_to_never_seen(unsigned max_rims, unsigned first_piece, unsigned pieces) {
+  assert(sets_->is_writing() && first_piece + pieces <= spread_pieces(max_rims));
+  bind_for_spreading();
+  const unsigned end = first_piece + pieces;
+  if (first_piece == 0 && pieces > 0) begin_spreading();
+  const unsigned first_rim = std::max(first_piece, 1U), rims_end = std::min(end, max_rims + 1);
+  if (first_rim < rims_end) spread_rims(first_rim - 1, rims_end - first_rim);
+  if (end == spread_pieces(max_rims) && pieces > 0) end_spreading();
 }
 
 std::vector<cv::Mat> TextureStore::read_pages() const {

@@ -74,6 +74,16 @@ class TextureStore {
   /// free: the display still reads both sets that are not the newest, or extraction is two pictures ahead of the GPU.
   /// Try later, or wait_for_free_set(). Waits for nothing. With `direct`: true.
   [[nodiscard]] bool begin_picture();
+  /// The same, but the copy is left to catch_up(), which must be called until nothing is left before charts are read or
+  /// written: for extraction in slices.
+  [[nodiscard]] bool begin_picture_in_pieces();
+  /// Bytes still to be copied, with what a copy costs beside them.
+  [[nodiscard]] std::size_t catch_up_left() const { return sets_->catch_up_left(); }
+  /// Copies about so many of them.
+  void catch_up(std::size_t bytes) { sets_->catch_up(bytes); }
+  /// Instead of end_picture(): what was written since begin_picture() is never shown, and pages() means the newest set
+  /// again. With `direct` it stays as it is: only clear() or write_pages() make that whole.
+  void abandon_picture() { sets_->abandon(); }
   /// Whether begin_picture() would be true now. Waits for nothing.
   [[nodiscard]] bool has_free_set() const { return sets_->has_free_set(); }
   /// Until begin_picture() would be true: for the GPU, and a display's frames in flight, not for a display that has
@@ -121,6 +131,9 @@ class TextureStore {
   /// The same, for every picture: at most `max_rims` rims deep, and the rest takes the mean of all seen, too. Depends
   /// on the seen polygons' states only. No read-back and no wait; costs a pass for each rim that there is.
   void spread_to_never_seen(unsigned max_rims);
+  /// The same in pieces, all in order, within one picture.
+  void spread_to_never_seen(unsigned max_rims, unsigned first_piece, unsigned pieces);
+  [[nodiscard]] static constexpr unsigned spread_pieces(unsigned max_rims) { return max_rims + 2; }
   static constexpr unsigned kRimsPerPicture = 16;
   /// Nothing seen: all texels transparent black, all polygons mid grey, all gains 1, no time of capture.
   void clear();
@@ -148,6 +161,10 @@ class TextureStore {
   void publish(TextureSets::Begin how, const Write& write);
   void spread(unsigned max_rims, bool may_wait);
   void spread_in_current_set(unsigned max_rims, bool may_wait);
+  void begin_spreading();
+  void spread_rims(unsigned first, unsigned count);
+  void end_spreading();
+  void bind_for_spreading();
 
   PolygonModel model_;
   ChartLayout layout_;

@@ -11,15 +11,6 @@ namespace foreview {
 
 namespace {
 
-void upload(GLuint texture, const cv::Mat& picture) {
-  // OpenGL counts a row's length in whole pixels; OpenCV's may be anything.
-  const cv::Mat rows = picture.step[0] % 3 == 0 ? picture : picture.clone();
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(rows.step[0] / 3));
-  glTextureSubImage2D(texture, 0, 0, 0, rows.cols, rows.rows, GL_BGR, GL_UNSIGNED_BYTE, rows.data);
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-}
-
 std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
@@ -51,15 +42,32 @@ void Undistorter::check(const cv::Mat& picture, const CameraModel& camera, const
 }
 
 void Undistorter::load(const cv::Mat& picture, const CameraModel& camera, const std::string& where) {
+  begin(picture, camera, where);
+  upload(picture, camera, 0, height_);
+  undistort(camera, 0, height_);
+}
+
+void Undistorter::begin(const cv::Mat& picture, const CameraModel& camera, const std::string& where) {
   check(picture, camera, where);
   make_room(picture.cols, picture.rows);
   width_ = picture.cols;
   height_ = picture.rows;
-  if (!camera.is_distorted()) {
-    upload(undistorted_.id(), picture);  // three channels: alpha becomes 1
-    return;
-  }
-  upload(lens_.id(), picture);
+}
+
+void Undistorter::upload(const cv::Mat& picture, const CameraModel& camera, int first_row, int rows) {
+  // OpenGL counts a row's length in whole pixels; OpenCV's may be anything.
+  const cv::Mat part = picture.rowRange(first_row, first_row + rows);
+  const cv::Mat band = part.step[0] % 3 == 0 ? part : part.clone();
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(band.step[0] / 3));
+  // Three channels: alpha becomes 1.
+  glTextureSubImage2D(camera.is_distorted() ? lens_.id() : undistorted_.id(), 0, 0, first_row, band.cols, band.rows,
+                      GL_BGR, GL_UNSIGNED_BYTE, band.data);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
+void Undistorter::undistort(const CameraModel& camera, int first_row, int rows) {
+  if (!camera.is_distorted()) return;
   std::array<float, 8> k{};
   std::transform(camera.distortion.begin(), camera.distortion.end(), k.begin(),
                  [](double d) { return static_cast<float>(d); });
@@ -69,9 +77,10 @@ void Undistorter::load(const cv::Mat& picture, const CameraModel& camera, const 
   glUniform2f(2, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
   glUniform1i(3, camera.distortion_model == DistortionModel::fisheye ? 1 : 0);
   glUniform1fv(4, static_cast<GLsizei>(k.size()), k.data());
+  glUniform2i(12, first_row, first_row + rows);
   glBindTextureUnit(0, lens_.id());
   glBindImageTexture(0, undistorted_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-  dispatch_over(width_, height_);
+  dispatch_over(width_, rows);
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 

@@ -17,6 +17,11 @@ class Undistorter {
   /// `picture`: CV_8UC3 BGR of the camera's size. Throws InputError naming `where` if it is not, or if the driver takes
   /// no texture of this size.
   void load(const cv::Mat& picture, const CameraModel& camera, const std::string& where = "picture");
+  /// The same in pieces: begin() as load(), then all rows with upload(), then all with undistort(), which does nothing
+  /// for cameras without distortion. The picture is the same with every call.
+  void begin(const cv::Mat& picture, const CameraModel& camera, const std::string& where);
+  void upload(const cv::Mat& picture, const CameraModel& camera, int first_row, int rows);
+  void undistort(const CameraModel& camera, int first_row, int rows);
   /// GL_RGBA8; its first width() x height() texels are the undistorted picture, row 0 on top, alpha 1 where a pixel is
   /// usable, else 0.
   [[nodiscard]] GLuint texture() const { return undistorted_.id(); }

@@ -88,8 +88,16 @@ class BatchedExtraction final : public ExtractionPipeline {
   /// colours written and no samplers bound; it may find these otherwise. Program, framebuffer, viewport, vertex array
   /// and the other bindings are left as they happen to be. No polygon is skipped for being too small.
   ExtractionStatistics extract(const CameraFrame& frame) override;
+  /// Ten kinds of slices; a picture goes in one of each, if they may be as large as they like. The pieces reach down to
+  /// a row of patches or pixels.
+  [[nodiscard]] std::span<const SliceKind> slice_kinds() const override;
   void begin(CameraFrame frame) override;
+  [[nodiscard]] bool is_busy() const override;
+  /// The set of textures to write into is needed rather late, after the picture's own geometry: only there may there be
+  /// nothing to do for a while.
   [[nodiscard]] std::optional<ExtractionSlice> pending_slice() override;
+  double run_slice(double size) override;
+  [[nodiscard]] const ExtractionStatistics& statistics() const override;
   void clear() override;
   /// Levels and fills stay as they were loaded until the next picture. Stamps are not among what is saved: the next
   /// picture overwrites whatever its age.
@@ -109,6 +117,8 @@ class BatchedExtraction final : public ExtractionPipeline {
   [[nodiscard]] std::vector<cv::Mat> pulled(int level) const;
 
  private:
+  void end_phase();
+
   struct State;
   std::unique_ptr<State> state_;
 };

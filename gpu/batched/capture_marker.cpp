@@ -169,7 +169,7 @@ CaptureMarker::CaptureMarker(const PolygonModel& model, const ChartLayout& layou
 
 void CaptureMarker::mark(GLuint capture_times, std::int32_t time, const PictureSetup& setup,
                          const std::vector<bool>& is_late, const CameraModel& camera, double near_plane,
-                         const PictureBounds& bounds, const PatchLists& patches) {
+                         const PictureBounds& bounds, const PatchLists& patches, const std::optional<Run>& groups) {
   if (camera.width < 2 || camera.height < 2 || patches.candidate_count() == 0) return;
   bool any_late = false;
   std::ranges::fill(late_bits_, 0U);
@@ -193,7 +193,7 @@ void CaptureMarker::mark(GLuint capture_times, std::int32_t time, const PictureS
   glUniform1f(3, static_cast<float>(near_plane));
   glUniform1i(4, time);
   glUniform1i(5, any_late ? 1 : 0);
-  patches.dispatch_touched();
+  patches.dispatch_touched(groups);
 }
 
 }  // namespace foreview::batched

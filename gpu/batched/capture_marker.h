@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "foreview/gpu/batched/chart_geometry.h"
@@ -17,9 +18,10 @@ class CaptureMarker {
  public:
   CaptureMarker(const PolygonModel& model, const ChartLayout& layout, const ChartGeometry& geometry);
   /// Marks, of the touched patches, what the picture gives a colour with `time`. After PatchLists::touch(); `setup` and
-  /// `patches` must be bound. `is_late` as Gatherer::gather().
+  /// `patches` must be bound. `is_late` as Gatherer::gather(). All of them, or a run as PatchLists::dispatch_touched().
   void mark(GLuint capture_times, std::int32_t time, const PictureSetup& setup, const std::vector<bool>& is_late,
-            const CameraModel& camera, double near_plane, const PictureBounds& bounds, const PatchLists& patches);
+            const CameraModel& camera, double near_plane, const PictureBounds& bounds, const PatchLists& patches,
+            const std::optional<Run>& groups = {});
 
  private:
   GlProgram program_;

@@ -93,8 +93,11 @@ ChartGeometry::ChartGeometry(const PolygonModel& model, const ChartLayout& layou
     double texels = std::abs(area(corners));
     Range& own = own_.emplace_back();
     own.first = static_cast<std::uint32_t>(chart_indices_.size());
+    const auto first_piece = static_cast<std::uint32_t>(pieces_.size());
     add_shape(making, corners, i, chart, polygon.part);
     own.count = static_cast<std::uint32_t>(chart_indices_.size()) - own.first;
+    const auto first_of_gutter = static_cast<std::uint32_t>(pieces_.size());
+    own_pieces_.push_back({first_piece, first_of_gutter - first_piece});
     Range& gutter = gutter_.emplace_back();
     gutter.first = static_cast<std::uint32_t>(chart_indices_.size());
     for (const auto& shape : gutter_shapes(corners, is_outline)) {
@@ -102,6 +105,7 @@ ChartGeometry::ChartGeometry(const PolygonModel& model, const ChartLayout& layou
       add_shape(making, shape, i, chart, polygon.part);
     }
     gutter.count = static_cast<std::uint32_t>(chart_indices_.size()) - gutter.first;
+    gutter_pieces_.push_back({first_of_gutter, static_cast<std::uint32_t>(pieces_.size()) - first_of_gutter});
     texels_.push_back(static_cast<float>(texels));
   }
   for (std::size_t i = 0; i < patches_.size(); ++i) {
@@ -169,6 +173,10 @@ void ChartGeometry::add_shape(Making& making, const std::vector<glm::dvec2>& sha
       patches_[patch_index].texels += std::abs(area(piece));
       Box& box = making.boxes[patch_index];
       const auto first = static_cast<std::uint32_t>(making.vertices.size());
+      pieces_.push_back(
+          {patch_index,
+           {static_cast<std::uint32_t>(chart_indices_.size()), 3 * (static_cast<std::uint32_t>(piece.size()) - 2)},
+           static_cast<float>(std::abs(area(piece)))});
       for (std::uint32_t k = 0; k < piece.size(); ++k) {
         const glm::dvec3 position = chart.part_from_texel(piece[k]);
         box.lower = glm::min(box.lower, position);

@@ -51,6 +51,16 @@ class ChartGeometry {
   [[nodiscard]] const std::vector<std::uint32_t>& chart_indices() const { return chart_indices_; }
   [[nodiscard]] const Range& own_triangles(std::size_t polygon) const { return own_[polygon]; }
   [[nodiscard]] const Range& gutter_triangles(std::size_t polygon) const { return gutter_[polygon]; }
+  /// The same triangles by the patch that they lie in: consecutive ranges of chart_indices().
+  struct Piece {
+    std::uint32_t patch = 0;
+    Range indices;
+    float texels = 0;  ///< by area
+  };
+  [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
+  /// Ranges of pieces().
+  [[nodiscard]] const Range& own_pieces(std::size_t polygon) const { return own_pieces_[polygon]; }
+  [[nodiscard]] const Range& gutter_pieces(std::size_t polygon) const { return gutter_pieces_[polygon]; }
   /// By chart (ChartLayout::groups), row by row.
   [[nodiscard]] const std::vector<Patch>& patches() const { return patches_; }
   [[nodiscard]] const Range& patches_of(std::size_t chart) const { return patches_of_[chart]; }
@@ -78,7 +88,8 @@ class ChartGeometry {
   std::vector<glm::dvec3> part_centres_;
   std::size_t scene_index_count_ = 0;
   std::vector<std::uint32_t> chart_indices_;
-  std::vector<Range> corners_, own_, gutter_, patches_of_;
+  std::vector<Range> corners_, own_, gutter_, patches_of_, own_pieces_, gutter_pieces_;
+  std::vector<Piece> pieces_;
   std::vector<Patch> patches_;
   std::vector<float> texels_;
   GlVertexArray vertex_array_;

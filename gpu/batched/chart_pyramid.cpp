@@ -66,7 +66,8 @@ void ChartPyramid::clear() {
   }
 }
 
-void ChartPyramid::draw_charts(int level, int other_level, const Texture& into) {
+void ChartPyramid::draw_charts(int level, int other_level, const Texture& into, const Run& charts) {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, chart_list_.id());
   glBindVertexArray(no_vertices_.id());
   glViewport(0, 0, into.width, into.height);
   glUniform1i(0, level);
@@ -75,62 +76,72 @@ void ChartPyramid::draw_charts(int level, int other_level, const Texture& into) 
   for (std::size_t page = 0; page < into.targets.size(); ++page) {
     glUniform1i(2, into.targets.size() > 1 ? static_cast<GLint>(page) : -1);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into.targets[page].id());
-    glDrawArrays(GL_TRIANGLES, 0, 6 * charts_);
+    glDrawArrays(GL_TRIANGLES, static_cast<GLint>(6 * charts.first), static_cast<GLsizei>(6 * charts.count));
     count_draw();
   }
 }
 
 void ChartPyramid::pull(const std::vector<std::uint32_t>& charts, Pull how) {
-  glUseProgram(pull_.id());
-  for (int level = 1; level <= kTop; ++level) {
-    glBindTextureUnit(0, level == 1 ? pages_.level(0).view.id() : pulled_[at(level - 1)].texture.id());
-    if (level < kTop) glBindTextureUnit(1, pages_.level(level).view.id());
-    // What is full is shown as it is; the pages' last level comes with the tips.
-    const Texture& into = pulled_[at(level)];
-    patches_.draw(PatchLists::touched, level,
-                  how == Pull::show && level < kTop ? pages_.together(into.texture.id(), level) : into.targets);
-  }
-  charts_ = static_cast<GLsizei>(charts.size());
-  if (charts.empty()) return;
-  glNamedBufferSubData(chart_list_.id(), 0, static_cast<GLsizeiptr>(charts.size() * sizeof(GLuint)), charts.data());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, chart_list_.id());
-  glUseProgram(pull_tip_.id());
-  for (int level = kTop + 1; level <= tables_.tip_level(); ++level) {
-    glUniform1i(4, level - 1 == kTop ? 1 : 0);
-    glBindTextureUnit(0, pulled_[at(level - 1)].texture.id());
-    draw_charts(level, level - 1, pulled_[at(level)]);
-  }
+  list(charts);
+  for (int level = 1; level <= kTop; ++level) pull_level(level, how, std::nullopt);
+  for (int pass = 0; pass < tables_.tip_level() - kTop; ++pass) draw_tip(pass, {0, charts_});
 }
 
-void ChartPyramid::push() {
-  if (charts_ == 0) return;
-  const int tip = tables_.tip_level();
-  glUseProgram(push_tip_.id());
-  for (int level = tip - 1; level >= kTop; --level) {
-    const int coarser = level + 1;
-    if (level == kTop) {
-      glUseProgram(push_last_.id());
-      glBindTextureUnit(2, pages_.level(kTop).view.id());
-    }
-    glBindTextureUnit(0, (coarser == tip ? pulled_ : filled_)[at(coarser)].texture.id());
-    glBindTextureUnit(1, pulled_[at(level)].texture.id());
-    draw_charts(level, coarser, filled_[at(level)]);
+void ChartPyramid::list(const std::vector<std::uint32_t>& charts) {
+  charts_ = charts.size();
+  glNamedBufferSubData(chart_list_.id(), 0, static_cast<GLsizeiptr>(charts.size() * sizeof(GLuint)), charts.data());
+}
+
+void ChartPyramid::pull_level(int level, Pull how, const std::optional<Run>& patches) {
+  glUseProgram(pull_.id());
+  glBindTextureUnit(0, level == 1 ? pages_.level(0).view.id() : pulled_[at(level - 1)].texture.id());
+  if (level < kTop) glBindTextureUnit(1, pages_.level(level).view.id());
+  // What is full is shown as it is; the pages' last level comes with the tips.
+  const Texture& into = pulled_[at(level)];
+  patches_.draw(PatchLists::touched, level,
+                how == Pull::show && level < kTop ? pages_.together(into.texture.id(), level) : into.targets, patches);
+}
+
+int ChartPyramid::tip_passes() const {
+  return 2 * (tables_.tip_level() - kTop);
+}
+
+void ChartPyramid::draw_tip(int pass, const Run& charts) {
+  if (charts.count == 0) return;
+  const int tip = tables_.tip_level(), up = tip - kTop;
+  if (pass < up) {
+    const int level = kTop + 1 + pass;
+    glUseProgram(pull_tip_.id());
+    glUniform1i(4, level - 1 == kTop ? 1 : 0);
+    glBindTextureUnit(0, pulled_[at(level - 1)].texture.id());
+    draw_charts(level, level - 1, pulled_[at(level)], charts);
+    return;
   }
-  patches_.renew(filled_[at(kTop)].texture.id(), pulled_[at(kTop)].texture.id(), store_.pages());
+  const int level = tip - 1 - (pass - up), coarser = level + 1;
+  glUseProgram(level == kTop ? push_last_.id() : push_tip_.id());
+  if (level == kTop) glBindTextureUnit(2, pages_.level(kTop).view.id());
+  glBindTextureUnit(0, (coarser == tip ? pulled_ : filled_)[at(coarser)].texture.id());
+  glBindTextureUnit(1, pulled_[at(level)].texture.id());
+  draw_charts(level, coarser, filled_[at(level)], charts);
+}
+
+void ChartPyramid::renew(const Run& candidates) {
+  patches_.renew(filled_[at(kTop)].texture.id(), pulled_[at(kTop)].texture.id(), store_.pages(), candidates);
+}
+
+void ChartPyramid::push_level(int level, const std::optional<Run>& patches) {
   glBindSampler(0, linear_.id());
-  for (int level = kTop - 1; level >= 0; --level) {
-    glUseProgram(level > 0 ? push_.id() : push_base_.id());
-    glBindTextureUnit(0, pages_.level(level + 1).view.id());
-    if (level > 0) glBindTextureUnit(1, pulled_[at(level)].texture.id());
-    if (level == 0) {
-      // Only where nothing is observed: alpha there is 0.
-      glEnable(GL_BLEND);
-      glBlendFuncSeparate(GL_ONE_MINUS_DST_ALPHA, GL_DST_ALPHA, GL_ZERO, GL_ONE);
-    }
-    const float texel = 1.0F / static_cast<float>(store_.layout().page_size >> (level + 1));
-    glUniform2f(5, texel, texel);
-    patches_.draw(level > 0 ? PatchLists::renewed : PatchLists::holed, level, pages_.level(level).targets);
+  glUseProgram(level > 0 ? push_.id() : push_base_.id());
+  glBindTextureUnit(0, pages_.level(level + 1).view.id());
+  if (level > 0) glBindTextureUnit(1, pulled_[at(level)].texture.id());
+  if (level == 0) {
+    // Only where nothing is observed: alpha there is 0.
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_ONE_MINUS_DST_ALPHA, GL_DST_ALPHA, GL_ZERO, GL_ONE);
   }
+  const float texel = 1.0F / static_cast<float>(store_.layout().page_size >> (level + 1));
+  glUniform2f(5, texel, texel);
+  patches_.draw(level > 0 ? PatchLists::renewed : PatchLists::holed, level, pages_.level(level).targets, patches);
   glDisable(GL_BLEND);
   glBindSampler(0, 0);
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "foreview/gpu/batched/chart_tables.h"
@@ -22,8 +23,22 @@ class ChartPyramid {
   };
   /// Rule 6 for the touched patches, then for `charts` up to their tips.
   void pull(const std::vector<std::uint32_t>& charts, Pull how = Pull::show);
-  /// Rule 7 for the charts named to pull() last. PatchLists::touch() must have named them too.
-  void push();
+
+  // A picture in pieces. All that follow come in this order, each for all that it goes over in any number of calls.
+
+  /// Which charts it concerns.
+  void list(const std::vector<std::uint32_t>& charts);
+  [[nodiscard]] std::size_t charts() const { return charts_; }
+  static constexpr int kPatchLevels = kChartLevels - 1;  ///< 1 to 4 are pulled patch by patch
+  /// Rule 6 up to level 4, from level 1 on: the touched patches, all of them, or a run of their list.
+  void pull_level(int level, Pull how, const std::optional<Run>& patches);
+  /// Of rules 6 and 7, what goes over charts: level 5 to the tip up, and then down to 4.
+  [[nodiscard]] int tip_passes() const;
+  void draw_tip(int pass, const Run& charts);
+  /// Rule 7: which patches must be filled anew. PatchLists::begin() must have named the charts, too.
+  void renew(const Run& candidates);
+  /// Then from level 3 down to 0: the patches to be filled anew, at level 0 those with holes.
+  void push_level(int level, const std::optional<Run>& patches);
   /// Rule 8, for all polygons.
   void write_states(GLuint polygon_states);
   /// What was observed, in the pages' layout; level 1..4.
@@ -38,7 +53,7 @@ class ChartPyramid {
     int width = 0, height = 0, layers = 0;
   };
   [[nodiscard]] Texture make(int level) const;
-  void draw_charts(int level, int other_level, const Texture& into);
+  void draw_charts(int level, int other_level, const Texture& into, const Run& charts);
 
   const TextureStore& store_;
   const ChartTables& tables_;
@@ -50,7 +65,7 @@ class ChartPyramid {
   GlBuffer chart_list_;
   GlVertexArray no_vertices_;
   GlSampler linear_;
-  GLsizei charts_ = 0;
+  std::size_t charts_ = 0;
 };
 
 }  // namespace foreview::batched

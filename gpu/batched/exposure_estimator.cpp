@@ -111,39 +111,49 @@ ExposureEstimator::ExposureEstimator(const PolygonModel& model, const ChartLayou
 }
 
 void ExposureEstimator::clear() {
+  // A picture may have been abandoned after some of it was counted.
+  glClearNamedBufferData(counts_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   glClearNamedBufferData(references_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
 }
 
-void ExposureEstimator::estimate(const CameraModel& camera, double near_plane, GLuint undistorted,
-                                 const PictureBounds& bounds, const PatchLists& patches, GLuint observed,
-                                 GLuint exposure, bool is_late) {
+void ExposureEstimator::bind(GLuint exposure) const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, counts_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 12, exposure);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 13, samples_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 14, references_.id());
-  if (patches.candidate_count() > 0 && camera.width > 1 && camera.height > 1) {
-    GLint room_width = 0, room_height = 0;
-    glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_WIDTH, &room_width);
-    glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_HEIGHT, &room_height);
-    glUseProgram(count_.id());
-    glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
-    glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
-    glUniform2f(2, static_cast<float>(camera.width), static_cast<float>(camera.height));
-    glUniform1f(3, static_cast<float>(near_plane));
-    glUniform1ui(4, patches.candidate_count());
-    glUniform1ui(5, patches.picture_number());
-    glUniform2f(6, 1.0F / static_cast<float>(room_width), 1.0F / static_cast<float>(room_height));
-    glUniform2i(7, camera.width - 2, camera.height - 2);
-    glBindTextureUnit(0, undistorted);
-    glBindSampler(0, linear_.id());
-    glBindTextureUnit(1, bounds.cells());
-    glBindTextureUnit(2, observed);
-    const GLuint invocations = patches.candidate_count() * kSamplesPerPatch;
-    count_draw();
-    glDispatchCompute((invocations + 63) / 64, 1, 1);
-    glBindSampler(0, 0);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  }
+}
+
+void ExposureEstimator::count(const CameraModel& camera, double near_plane, GLuint undistorted,
+                              const PictureBounds& bounds, const PatchLists& patches, GLuint observed, GLuint exposure,
+                              const Run& candidates) {
+  if (candidates.count == 0 || camera.width < 2 || camera.height < 2) return;
+  bind(exposure);
+  GLint room_width = 0, room_height = 0;
+  glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_WIDTH, &room_width);
+  glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_HEIGHT, &room_height);
+  glUseProgram(count_.id());
+  glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
+  glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
+  glUniform2f(2, static_cast<float>(camera.width), static_cast<float>(camera.height));
+  glUniform1f(3, static_cast<float>(near_plane));
+  glUniform1ui(4, static_cast<GLuint>(candidates.first + candidates.count));
+  glUniform1ui(5, patches.picture_number());
+  glUniform2f(6, 1.0F / static_cast<float>(room_width), 1.0F / static_cast<float>(room_height));
+  glUniform2i(7, camera.width - 2, camera.height - 2);
+  glBindTextureUnit(0, undistorted);
+  glBindSampler(0, linear_.id());
+  glBindTextureUnit(1, bounds.cells());
+  glBindTextureUnit(2, observed);
+  glUniform1ui(8, static_cast<GLuint>(candidates.first));
+  const auto invocations = static_cast<GLuint>(candidates.count * kSamplesPerPatch);
+  count_draw();
+  glDispatchCompute((invocations + 63) / 64, 1, 1);
+  glBindSampler(0, 0);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void ExposureEstimator::find_gain(GLuint exposure, bool is_late) {
+  bind(exposure);
   glUseProgram(gain_.id());
   glUniform1ui(0, kLeastSamples);
   glUniform1i(1, is_late ? 1 : 0);

@@ -1,7 +1,6 @@
 #include "foreview/gpu/batched/gatherer.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "foreview/gpu/draw_tally.h"
@@ -10,6 +9,11 @@ namespace foreview::batched {
 namespace {
 
 constexpr GLenum kClipDistances = 5;
+/// What a triangle costs beside its texels, in texels.
+constexpr double kTexelsPerTriangle = 60;
+double cost_in_texels(const ChartGeometry::Piece& piece) {
+  return static_cast<double>(piece.texels) + kTexelsPerTriangle * piece.indices.count / 3;
+}
 
 }  // namespace
 
@@ -25,44 +29,81 @@ Gatherer::Gatherer(const ChartGeometry& geometry, const ChartLayout& layout)
       index_buffer_.id(),
       static_cast<GLsizeiptr>(std::max<std::size_t>(geometry.chart_indices().size(), 1) * sizeof(std::uint32_t)),
       nullptr, GL_DYNAMIC_STORAGE_BIT);
+  patch_texels_.resize(geometry.patches().size());
+  for (const ChartGeometry::Piece& piece : geometry.pieces()) {
+    patch_texels_[piece.patch] += static_cast<float>(cost_in_texels(piece));
+  }
 }
 
-void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera,
-                      double near_plane, GLuint undistorted, GLuint exposure, const PictureBounds& bounds,
-                      const PatchLists& patches, const LayerTargets& into) {
+std::size_t Gatherer::most_units(std::span<const std::uint32_t> touched) const {
+  double texels = 0;
+  for (const std::uint32_t patch : touched) texels += static_cast<double>(patch_texels_[patch]);
+  return static_cast<std::size_t>(texels / kTexelsPerUnit) + 1;
+}
+
+void Gatherer::list(const PictureSetup& setup, const std::vector<bool>& is_late, const CameraModel& camera,
+                    const std::optional<std::span<const std::uint32_t>>& touched) {
   texels_ = 0;
-  counted_ = false;
-  if (camera.width < 2 || camera.height < 2) return;
-  // A polygon's own texels win over others' gutter: so gutters come first, or last where only holes are filled. Close
-  // polygons take several samples.
+  queries_used_ = 0;
   indices_.clear();
-  const std::vector<PictureSetup::Visible>& visible = setup.visible();
-  const auto add = [&](bool late, bool close, bool own) {
-    for (const auto& [polygon, is_close] : visible) {
-      if (is_late[layout_.charts[polygon].group] != late || is_close != close) continue;
-      const ChartGeometry::Range& range = own ? geometry_.own_triangles(polygon) : geometry_.gutter_triangles(polygon);
-      const auto begin = geometry_.chart_indices().begin() + range.first;
-      indices_.insert(indices_.end(), begin, begin + range.count);
-      if (own) texels_ += static_cast<double>(geometry_.texels(polygon));
+  unit_ends_.clear();
+  draws_ = {};
+  if (camera.width < 2 || camera.height < 2) return;
+  if (touched) {
+    is_touched_.assign(geometry_.patches().size(), false);
+    for (const std::uint32_t patch : *touched) is_touched_[patch] = true;
+  }
+  const std::vector<std::uint32_t>& all = geometry_.chart_indices();
+  const auto append = [&](const ChartGeometry::Range& range) {
+    const auto begin = all.begin() + range.first;
+    indices_.insert(indices_.end(), begin, begin + range.count);
+  };
+  double texels_in_unit = 0;
+  const auto append_touched = [&](const ChartGeometry::Range& pieces) {
+    for (std::uint32_t i = pieces.first; i < pieces.first + pieces.count; ++i) {
+      const ChartGeometry::Piece& piece = geometry_.pieces()[i];
+      if (!is_touched_[piece.patch]) continue;
+      append(piece.indices);
+      texels_in_unit += cost_in_texels(piece);
+      if (texels_in_unit < kTexelsPerUnit) continue;
+      unit_ends_.push_back(indices_.size());
+      texels_in_unit = 0;
     }
   };
-  struct Draw {
-    bool late = false, close = false;
-    std::size_t end = 0;
+  // A polygon's own texels win over others' gutter: so gutters come first, or last where only holes are filled. Close
+  // polygons take several samples.
+  const auto add = [&](bool late, bool close, bool own) {
+    for (const auto& [polygon, is_close] : setup.visible()) {
+      if (is_late[layout_.charts[polygon].group] != late || is_close != close) continue;
+      if (own) texels_ += static_cast<double>(geometry_.texels(polygon));
+      if (touched) {
+        append_touched(own ? geometry_.own_pieces(polygon) : geometry_.gutter_pieces(polygon));
+      } else {
+        append(own ? geometry_.own_triangles(polygon) : geometry_.gutter_triangles(polygon));
+      }
+    }
   };
-  std::array<Draw, 6> draws;
   std::size_t draw_count = 0;
   for (const bool late : {false, true}) {
     add(late, false, late);
-    draws[draw_count++] = {late, false, indices_.size()};
+    draws_[draw_count++] = {late, false, indices_.size()};
     add(late, true, late);
     add(late, true, !late);
-    draws[draw_count++] = {late, true, indices_.size()};
+    draws_[draw_count++] = {late, true, indices_.size()};
     add(late, false, !late);
-    draws[draw_count++] = {late, false, indices_.size()};
+    draws_[draw_count++] = {late, false, indices_.size()};
+  }
+  if (!indices_.empty() && (unit_ends_.empty() || unit_ends_.back() < indices_.size())) {
+    unit_ends_.push_back(indices_.size());
   }
   glNamedBufferSubData(index_buffer_.id(), 0, static_cast<GLsizeiptr>(indices_.size() * sizeof(std::uint32_t)),
                        indices_.data());
+}
+
+void Gatherer::gather(const CameraModel& camera, double near_plane, GLuint undistorted, GLuint exposure,
+                      const PictureBounds& bounds, const PatchLists& patches, const LayerTargets& into,
+                      const Run& units) {
+  if (units.count == 0) return;
   GLint room_width = 0, room_height = 0;
   glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_WIDTH, &room_width);
   glGetTextureLevelParameteriv(undistorted, 0, GL_TEXTURE_HEIGHT, &room_height);
@@ -75,15 +116,15 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
   for (GLenum i = 0; i < kClipDistances; ++i) glEnable(GL_CLIP_DISTANCE0 + i);
   glViewport(0, 0, layout_.page_size, layout_.page_size);
   if (counting_) {
-    if (taken_.id() == 0) taken_ = GlSamplesQuery::create();
-    glBeginQuery(GL_SAMPLES_PASSED, taken_.id());
-    counted_ = true;
+    if (queries_used_ == taken_.size()) taken_.push_back(GlSamplesQuery::create());
+    glBeginQuery(GL_SAMPLES_PASSED, taken_[queries_used_++].id());
   }
   bool begins_pass = true;
-  std::size_t first = 0;
-  for (const Draw& draw : draws) {
-    const std::size_t count = draw.end - first;
-    if (count == 0) continue;
+  std::size_t first = units.first == 0 ? 0 : unit_ends_[units.first - 1];
+  const std::size_t end = unit_ends_[units.first + units.count - 1];
+  for (const Draw& draw : draws_) {
+    if (draw.end <= first || first >= end) continue;
+    const std::size_t count = std::min(draw.end, end) - first;
     glUseProgram(draw.close ? footprint_.id() : one_sample_.id());
     glUniform2f(0, static_cast<float>(camera.focal_length.x), static_cast<float>(camera.focal_length.y));
     glUniform2f(1, static_cast<float>(camera.principal_point.x), static_cast<float>(camera.principal_point.y));
@@ -108,7 +149,7 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
       count_draw(begins_pass || into.size() > 1);
       begins_pass = false;
     }
-    first = draw.end;
+    first += count;
   }
   if (counting_) glEndQuery(GL_SAMPLES_PASSED);
   glDisable(GL_BLEND);
@@ -118,10 +159,13 @@ void Gatherer::gather(const PictureSetup& setup, const std::vector<bool>& is_lat
 }
 
 std::size_t Gatherer::observed() const {
-  if (!counted_) return 0;
-  GLuint64 samples = 0;
-  glGetQueryObjectui64v(taken_.id(), GL_QUERY_RESULT, &samples);
-  return static_cast<std::size_t>(samples);
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < queries_used_; ++i) {
+    GLuint64 samples = 0;
+    glGetQueryObjectui64v(taken_[i].id(), GL_QUERY_RESULT, &samples);
+    sum += static_cast<std::size_t>(samples);
+  }
+  return sum;
 }
 
 }  // namespace foreview::batched

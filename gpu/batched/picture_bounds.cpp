@@ -54,23 +54,37 @@ void PictureBounds::make_room(int width, int height) {
   coarse_target_ = make_framebuffer(coarse_.id());
 }
 
-void PictureBounds::draw_surfaces(const PictureSetup& setup, const CameraModel& camera, double near_plane) {
+void PictureBounds::clear_surfaces() {
+  const GLfloat nothing[4] = {0, 0, 0, 0};
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, surfaces_target_.id());
+  glDepthMask(GL_TRUE);
+  glClearBufferfv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_DEPTH, 0, nothing);
+}
+
+void PictureBounds::draw_surfaces(const PictureSetup& setup, const CameraModel& camera, double near_plane,
+                                  const Rows& rows) {
   indices_.clear();
+  const bool is_all = rows.count >= camera.height;
+  const auto first_row = static_cast<float>(rows.first), end_row = static_cast<float>(rows.first + rows.count);
   for (const std::uint32_t polygon : setup.front_to_back()) {
+    const PictureSetup::Rows& own = setup.rows()[polygon];
+    if (!is_all && (own.last < first_row || own.first > end_row)) continue;
     const auto [first, count] = geometry_.corners(polygon);
     for (std::uint32_t k = 2; k < count; ++k) indices_.insert(indices_.end(), {first, first + k - 1, first + k});
   }
   glNamedBufferSubData(triangles_.id(), 0, static_cast<GLsizeiptr>(indices_.size() * sizeof(GLuint)), indices_.data());
   const glm::mat4 clip_from_camera(camera.clip_from_camera(near_plane));
   const glm::vec2 centre(camera.principal_point);
-  const GLfloat nothing[4] = {0, 0, 0, 0};
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, surfaces_target_.id());
   glViewport(0, 0, camera.width, camera.height);
+  if (!is_all) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, rows.first, camera.width, rows.count);
+  }
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_TRUE);
-  glClearBufferfv(GL_COLOR, 0, nothing);
-  glClearBufferfv(GL_DEPTH, 0, nothing);
   glUseProgram(scene_.id());
   glUniformMatrix4fv(0, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
   glUniform2fv(1, 1, glm::value_ptr(centre));
@@ -79,48 +93,56 @@ void PictureBounds::draw_surfaces(const PictureSetup& setup, const CameraModel& 
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices_.size()), GL_UNSIGNED_INT, nullptr);
   count_draw();
   glDisable(GL_DEPTH_TEST);
+  glDisable(GL_SCISSOR_TEST);
 }
 
-void PictureBounds::draw_over(int width, int height, GLuint target, const GlProgram& program) {
+void PictureBounds::draw_over(int width, int height, const Rows& rows, GLuint target, const GlProgram& program) {
   glBindVertexArray(no_vertices_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
   glViewport(0, 0, width, height);
+  if (rows.count < height) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, rows.first, width, rows.count);
+  }
   glUseProgram(program.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   count_draw();
+  glDisable(GL_SCISSOR_TEST);
 }
 
-void PictureBounds::spread_rims(const CameraModel& camera, int passes) {
-  current_rims_ = 0;
-  glProgramUniform2i(contours_.id(), 0, camera.width - 1, camera.height - 1);
-  glProgramUniform1f(contours_.id(), 1, BatchedExtraction::kGap);
-  glBindTextureUnit(0, surfaces_.id());
-  draw_over(camera.width, camera.height, rim_targets_[0].id(), contours_);
-  // One diamond pass if their number is odd, then two at a time.
-  for (int done = 0; done < passes;) {
-    const bool twice = done > 0 || passes % 2 == 0;
-    const GlProgram& program = twice ? spread_twice_ : spread_;
-    glProgramUniform2i(program.id(), 0, camera.width - 1, camera.height - 1);
-    glBindTextureUnit(0, rims_[current_rims_].id());
-    current_rims_ = 1 - current_rims_;
-    draw_over(camera.width, camera.height, rim_targets_[current_rims_].id(), program);
-    done += twice ? 2 : 1;
+void PictureBounds::draw_rims(const CameraModel& camera, int diamond_passes, int rim_pass, const Rows& rows) {
+  current_rims_ = rim_pass % 2;
+  const GLuint target = rim_targets_[current_rims_].id();
+  if (rim_pass == 0) {
+    glProgramUniform2i(contours_.id(), 0, camera.width - 1, camera.height - 1);
+    glProgramUniform1f(contours_.id(), 1, BatchedExtraction::kGap);
+    glBindTextureUnit(0, surfaces_.id());
+    draw_over(camera.width, camera.height, rows, target, contours_);
+    return;
   }
+  // One diamond pass if their number is odd, then two at a time.
+  const GlProgram& program = rim_pass == 1 && diamond_passes % 2 == 1 ? spread_ : spread_twice_;
+  glProgramUniform2i(program.id(), 0, camera.width - 1, camera.height - 1);
+  glBindTextureUnit(0, rims_[1 - current_rims_].id());
+  draw_over(camera.width, camera.height, rows, target, program);
 }
 
-void PictureBounds::bound_cells(const CameraModel& camera, bool suppressing, GLuint undistorted) {
-  const GlProgram& program = bound_[(suppressing ? 1 : 0) + (undistorted != 0 ? 2 : 0)];
-  const int columns = camera.width - 1, rows = camera.height - 1;
-  if (columns < 1 || rows < 1) return;
+void PictureBounds::bound_cells(const CameraModel& camera, int diamond_passes, GLuint undistorted, const Rows& rows) {
+  const GlProgram& program = bound_[(diamond_passes > 0 ? 1 : 0) + (undistorted != 0 ? 2 : 0)];
+  if (diamond_passes > 0) current_rims_ = (rim_passes(diamond_passes) - 1) % 2;
   glProgramUniform1f(program.id(), 0, BatchedExtraction::kGap);
   glProgramUniform1f(program.id(), 1, BatchedExtraction::kRounding);
   glBindTextureUnit(0, surfaces_.id());
   glBindTextureUnit(1, rims_[current_rims_].id());
   if (undistorted != 0) glBindTextureUnit(2, undistorted);
-  draw_over(columns, rows, cells_target_.id(), program);
-  glProgramUniform2i(coarsen_.id(), 0, columns - 1, rows - 1);
+  draw_over(camera.width - 1, camera.height - 1, rows, cells_target_.id(), program);
+}
+
+void PictureBounds::coarsen(const CameraModel& camera, const Rows& rows) {
+  const int columns = camera.width - 1;
+  glProgramUniform2i(coarsen_.id(), 0, columns - 1, camera.height - 2);
   glBindTextureUnit(0, cells_.id());
-  draw_over((columns + kCoarse - 1) / kCoarse, (rows + kCoarse - 1) / kCoarse, coarse_target_.id(), coarsen_);
+  draw_over((columns + kCoarse - 1) / kCoarse, coarse_rows(camera), rows, coarse_target_.id(), coarsen_);
 }
 
 cv::Mat PictureBounds::read_surfaces(int width, int height) const {

@@ -18,12 +18,28 @@ class PictureBounds {
   explicit PictureBounds(const ChartGeometry& geometry);
   /// Textures grow with the largest picture so far and are kept.
   void make_room(int width, int height);
-  /// Rule 1. `setup` must be bound.
-  void draw_surfaces(const PictureSetup& setup, const CameraModel& camera, double near_plane);
-  /// Rules 2 and 3. passes > 0.
-  void spread_rims(const CameraModel& camera, int passes);
-  /// Rule 4, and its coarse form. `undistorted`: alpha is 0 where a pixel is unusable; 0: all pixels are usable.
-  void bound_cells(const CameraModel& camera, bool suppressing, GLuint undistorted);
+  // All that follow come in this order, each for all rows in any number of calls. `setup` must be bound.
+
+  /// Pixels or cells from row `first` on.
+  struct Rows {
+    int first = 0, count = 0;
+  };
+  /// Before rule 1.
+  void clear_surfaces();
+  /// Rule 1.
+  void draw_surfaces(const PictureSetup& setup, const CameraModel& camera, double near_plane, const Rows& rows);
+  /// Rules 2 and 3 take so many passes over the picture: the contours, then the diamond passes, mostly two at a time.
+  [[nodiscard]] static int rim_passes(int diamond_passes) { return 1 + (diamond_passes + 1) / 2; }
+  /// diamond_passes > 0.
+  void draw_rims(const CameraModel& camera, int diamond_passes, int rim_pass, const Rows& rows);
+  /// Rule 4. `diamond_passes`: 0 for no suppression. `undistorted`: alpha is 0 where a pixel is unusable; 0: all pixels
+  /// are usable. Rows of cells, one less than pixels.
+  void bound_cells(const CameraModel& camera, int diamond_passes, GLuint undistorted, const Rows& rows);
+  /// Rows of coarse cells.
+  void coarsen(const CameraModel& camera, const Rows& rows);
+  [[nodiscard]] static int coarse_rows(const CameraModel& camera) {
+    return (camera.height - 1 + kCoarse - 1) / kCoarse;
+  }
 
   /// GL_RG16F: least and greatest 1/z, one texel a cell.
   [[nodiscard]] GLuint cells() const { return cells_.id(); }
@@ -34,7 +50,7 @@ class PictureBounds {
   [[nodiscard]] cv::Mat read_cells(int width, int height) const;
 
  private:
-  void draw_over(int width, int height, GLuint target, const GlProgram& program);
+  void draw_over(int width, int height, const Rows& rows, GLuint target, const GlProgram& program);
 
   const ChartGeometry& geometry_;
   GlProgram scene_, contours_, spread_, spread_twice_, coarsen_;

@@ -26,6 +26,7 @@ PictureSetup::PictureSetup(const PolygonModel& model, const ChartLayout& layout,
   chart_listed_.resize(layout.groups.size());
   slacks_.resize(layout.groups.size());
   planes_.resize(model.polygons().size());
+  rows_.resize(model.polygons().size());
   parts_.resize(model.parts().size());
   glNamedBufferStorage(part_buffer_.id(), static_cast<GLsizeiptr>(parts_.size() * sizeof(glm::mat4)), nullptr,
                        GL_DYNAMIC_STORAGE_BIT);
@@ -34,15 +35,16 @@ PictureSetup::PictureSetup(const PolygonModel& model, const ChartLayout& layout,
 }
 
 void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state, double near_plane) {
+  begin(camera, state, near_plane);
+  cull(0, polygons());
+  finish();
+}
+
+void PictureSetup::begin(const CameraModel& camera, const CaptureState& state, double near_plane) {
+  camera_ = camera;
+  near_plane_ = near_plane;
+  views_.resize(parts_.size());
   const Pose camera_from_world = state.world_from_camera.inverse();
-  struct PartView {
-    glm::dmat3 rotation;
-    glm::dvec3 translation;
-    glm::dvec3 eye;       // part frame
-    glm::dvec4 sides[4];  // part frame, inwards, unit normals
-    glm::dvec4 front;     // z - near
-  };
-  std::vector<PartView> views(parts_.size());
   const double left = -camera.principal_point.x / camera.focal_length.x;
   const double right = (camera.width - camera.principal_point.x) / camera.focal_length.x;
   const double top = -camera.principal_point.y / camera.focal_length.y;
@@ -50,11 +52,10 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
   const glm::dvec3 normals[4] = {{1, 0, -left}, {-1, 0, right}, {0, 1, -top}, {0, -1, bottom}};
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Pose camera_from_part = camera_from_world * state.world_from_part[i];
-    PartView& view = views[i];
+    PartView& view = views_[i];
     view.rotation = glm::mat3_cast(camera_from_part.rotation);
     view.translation = camera_from_part.translation;
     const glm::dmat3 back = glm::transpose(view.rotation);
-    view.eye = -(back * view.translation);
     for (int side = 0; side < 4; ++side) {
       const glm::dvec3 normal = glm::normalize(normals[side]);
       view.sides[side] = glm::dvec4(back * normal, glm::dot(normal, view.translation));
@@ -70,9 +71,14 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
   for (const std::uint32_t chart : charts_) chart_listed_[chart] = false;
   charts_.clear();
   back_faces_ = outside_ = 0;
-  for (std::uint32_t i = 0; i < model_.polygons().size(); ++i) {
+}
+
+void PictureSetup::cull(std::size_t first, std::size_t count) {
+  const CameraModel& camera = camera_;
+  const double near_plane = near_plane_;
+  for (auto i = static_cast<std::uint32_t>(first); i < first + count; ++i) {
     const Polygon& polygon = model_.polygons()[i];
-    const PartView& view = views[polygon.part];
+    const PartView& view = views_[polygon.part];
     const Bound& bound = bounds_[i];
     const auto distance = [&](const glm::dvec4& plane) { return glm::dot(glm::dvec3(plane), bound.centre) + plane.w; };
     bool out = distance(view.front) < -bound.radius;
@@ -85,18 +91,25 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
     const glm::dvec3 normal = view.rotation * polygon.normal;
     double offset = polygon.offset + glm::dot(normal, view.translation);  // dot(normal, point in camera)
     if (std::abs(offset) < 1e-9) offset = offset < 0 ? -1e-9 : 1e-9;
-    double least = 1e300, greatest = 0;
+    double least = 1e300, greatest = 0, top = 1e9, bottom = -1e9;
     for (const std::uint32_t vertex : model_.corners_of(i)) {
       const glm::dvec3& p = model_.vertices()[vertex];
       const double z =
           view.rotation[0].z * p.x + view.rotation[1].z * p.y + view.rotation[2].z * p.z + view.translation.z;
       const double w = 1 / std::max(z, near_plane);
+      const double y =
+          view.rotation[0].y * p.x + view.rotation[1].y * p.y + view.rotation[2].y * p.z + view.translation.y;
+      const double v = y * w * camera.focal_length.y + camera.principal_point.y;
+      // What is cut at the near plane may be anywhere.
+      top = std::min(top, z > near_plane ? v : -1e9);
+      bottom = std::max(bottom, z > near_plane ? v : 1e9);
       least = std::min(least, w);
       greatest = std::max(greatest, w);
     }
     const glm::dvec2 slope = glm::dvec2(normal) / (offset * camera.focal_length);
     const double slack = std::abs(slope.x) + std::abs(slope.y);
     by_distance_.emplace_back(static_cast<float>(-greatest), i);
+    rows_[i] = {static_cast<float>(top - 1), static_cast<float>(bottom + 1)};
     PlaneOnGpu& plane = planes_[i];
     plane = {{static_cast<float>(slope.x), static_cast<float>(slope.y), static_cast<float>(normal.z / offset), 0},
              {static_cast<float>(least), static_cast<float>(greatest),
@@ -117,6 +130,9 @@ void PictureSetup::prepare(const CameraModel& camera, const CaptureState& state,
       slacks_[chart] = std::max(slacks_[chart], plane.range[2]);
     }
   }
+}
+
+void PictureSetup::finish() {
   std::sort(by_distance_.begin(), by_distance_.end());
   front_to_back_.clear();
   for (const auto& [distance, polygon] : by_distance_) front_to_back_.push_back(polygon);

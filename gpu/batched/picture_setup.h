@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <utility>
 #include <vector>
@@ -16,6 +17,11 @@ class PictureSetup {
   PictureSetup(const PolygonModel& model, const ChartLayout& layout, const ChartGeometry& geometry);
 
   void prepare(const CameraModel& camera, const CaptureState& state, double near_plane);
+  /// The same in pieces: begin(), then cull() for all polygons in order, then finish().
+  void begin(const CameraModel& camera, const CaptureState& state, double near_plane);
+  void cull(std::size_t first, std::size_t count);
+  void finish();
+  [[nodiscard]] std::size_t polygons() const { return model_.polygons().size(); }
   /// Binds the buffers of batched_common.glsl.
   void bind() const;
   struct Visible {
@@ -27,6 +33,12 @@ class PictureSetup {
   /// All polygons with a part in the picture, back faces too, roughly the nearest first: what is drawn first hides the
   /// rest before it is shaded.
   [[nodiscard]] const std::vector<std::uint32_t>& front_to_back() const { return front_to_back_; }
+  /// By polygon, of those in front_to_back(): the rows of the picture that it may reach into, as first and last pixel;
+  /// perhaps beyond the picture.
+  struct Rows {
+    float first = 0, last = 0;
+  };
+  [[nodiscard]] const std::vector<Rows>& rows() const { return rows_; }
   /// Charts (ChartLayout::groups) with at least one of them, in no order.
   [[nodiscard]] const std::vector<std::uint32_t>& charts() const { return charts_; }
   /// By chart, of those in charts(): the greatest s (rule 5) of its visible polygons, 1/m. Others: anything.
@@ -42,10 +54,20 @@ class PictureSetup {
     glm::dvec3 centre{0};
     double radius = 0;
   };
+  struct PartView {
+    glm::dmat3 rotation{1};
+    glm::dvec3 translation{0};
+    glm::dvec4 sides[4];  // part frame, inwards, unit normals
+    glm::dvec4 front{0};  // z - near
+  };
   const PolygonModel& model_;
   const ChartLayout& layout_;
   const ChartGeometry& geometry_;
   std::vector<Bound> bounds_;  ///< by polygon, part frame
+  CameraModel camera_;
+  double near_plane_ = 0;
+  std::vector<PartView> views_;
+  std::vector<Rows> rows_;
   std::vector<Visible> visible_;
   std::vector<std::pair<float, std::uint32_t>> by_distance_;  ///< least z, polygon
   std::vector<std::uint32_t> front_to_back_;

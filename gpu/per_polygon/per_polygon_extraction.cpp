@@ -196,7 +196,7 @@ void PerPolygonExtraction::clear() {
 }
 
 void PerPolygonExtraction::adopt_store() {
-  abandon_whole_picture();
+  assert(!is_busy());
   State& s = *state_;
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   for (std::uint32_t i = 0; i < s.textures.size(); ++i) s.copier.adopt(s.store, i, s.textures[i]);

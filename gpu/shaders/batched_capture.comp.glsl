@@ -17,13 +17,15 @@ layout(location = 2) uniform vec2 picture_size;     // pixels
 layout(location = 3) uniform float near_plane;      // metres
 layout(location = 4) uniform int now;
 layout(location = 5) uniform bool any_late;
+layout(location = 10) uniform uint first_group;
 
 const uint kBlocksPerPatch = 4u;
 const uint kNone = 0xffffffffu;
 const int kNeverCaptured = -0x7fffffff - 1;
 
 void main() {
-  uint place_in_list = gl_GlobalInvocationID.x / kBlocksPerPatch, block = gl_GlobalInvocationID.x % kBlocksPerPatch;
+  uint place_in_list = first_group * kPatchesPerGroup + gl_GlobalInvocationID.x / kBlocksPerPatch;
+  uint block = gl_GlobalInvocationID.x % kBlocksPerPatch;
   if (place_in_list >= commands[kTouched].count / 6u) return;
   uint index = listed_patches[place_in_list];  // kTouched is the first list
   Sample own = samples[index * kBlocksPerPatch + block];

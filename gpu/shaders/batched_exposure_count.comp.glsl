@@ -23,10 +23,11 @@ layout(location = 0) uniform vec2 focal_length;     // pixels
 layout(location = 1) uniform vec2 principal_point;  // pixels
 layout(location = 2) uniform vec2 picture_size;     // pixels
 layout(location = 3) uniform float near_plane;      // metres
-layout(location = 4) uniform uint candidate_count;
+layout(location = 4) uniform uint candidates_end;
 layout(location = 5) uniform uint picture_number;
 layout(location = 6) uniform vec2 pixel_to_uv;
 layout(location = 7) uniform ivec2 last_cell;
+layout(location = 8) uniform uint first_candidate;
 
 const uint kNone = 0xffffffffu;
 const uint kSamplesPerPatch = 4u;
@@ -45,8 +46,8 @@ vec3 picture_at(vec3 p) {
 }
 
 void main() {
-  uint candidate = gl_GlobalInvocationID.x / kSamplesPerPatch;
-  if (candidate >= candidate_count) return;
+  uint candidate = first_candidate + gl_GlobalInvocationID.x / kSamplesPerPatch;
+  if (candidate >= candidates_end) return;
   uint index = candidates[candidate];
   if (!is_touched(index, picture_number)) return;
   Sample own = samples[index * kSamplesPerPatch + gl_GlobalInvocationID.x % kSamplesPerPatch];

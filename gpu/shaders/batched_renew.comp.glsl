@@ -7,13 +7,15 @@ layout(std430, binding = 6) readonly buffer Candidates { uint candidates[]; };
 layout(binding = 0) uniform sampler2DArray filled;  // level 4; alpha 1: changed
 layout(binding = 1) uniform sampler2DArray pulled;  // level 4
 layout(binding = 0, rgba8) writeonly uniform image2DArray shown;
-layout(location = 4) uniform uint candidate_count;
+layout(location = 4) uniform uint candidates_end;
 layout(location = 5) uniform uint picture_number;
 layout(location = 6) uniform uint list_stride;
+layout(location = 7) uniform uint first_candidate;
 
 void main() {
-  if (gl_GlobalInvocationID.x >= candidate_count) return;
-  uint index = candidates[gl_GlobalInvocationID.x];
+  uint candidate = first_candidate + gl_GlobalInvocationID.x;
+  if (candidate >= candidates_end) return;
+  uint index = candidates[candidate];
   Patch own = patches[index];
   ChartBlock chart = charts[own.place.y];
   bool touched = is_touched(index, picture_number);

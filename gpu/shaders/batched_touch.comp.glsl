@@ -11,9 +11,10 @@ layout(location = 0) uniform vec2 focal_length;     // pixels
 layout(location = 1) uniform vec2 principal_point;  // pixels
 layout(location = 2) uniform vec2 picture_size;     // pixels
 layout(location = 3) uniform float near_plane;      // metres
-layout(location = 4) uniform uint candidate_count;
+layout(location = 4) uniform uint candidates_end;
 layout(location = 5) uniform uint picture_number;
 layout(location = 6) uniform uint list_stride;
+layout(location = 7) uniform uint first_candidate;
 
 const int kMostCells = 24;  // along an axis; larger ones are not worth asking
 
@@ -45,8 +46,9 @@ bool may_be_seen(Patch patch_) {
 }
 
 void main() {
-  if (gl_GlobalInvocationID.x >= candidate_count) return;
-  uint index = candidates[gl_GlobalInvocationID.x];
+  uint candidate = first_candidate + gl_GlobalInvocationID.x;
+  if (candidate >= candidates_end) return;
+  uint index = candidates[candidate];
   if (!may_be_seen(patches[index])) return;
   patch_flags[index] = picture_number | (patch_flags[index] == 0u ? kFirstTime : 0u);
   uint place = atomicAdd(commands[kTouched].count, 6u) / 6u;

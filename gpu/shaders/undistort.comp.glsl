@@ -9,6 +9,7 @@ layout(location = 1) uniform vec2 focal_length;     // pixels
 layout(location = 2) uniform vec2 principal_point;  // pixels
 layout(location = 3) uniform bool fisheye;
 layout(location = 4) uniform float k[8];
+layout(location = 12) uniform ivec2 row_range;  // the first, and the one after the last
 
 vec2 distort(vec2 p) {
   float r2 = dot(p, p);
@@ -24,8 +25,8 @@ vec2 distort(vec2 p) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, size))) return;
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, row_range.x);
+  if (any(greaterThanEqual(pixel, ivec2(size.x, row_range.y)))) return;
   vec2 straight = (vec2(pixel) + 0.5 - principal_point) / focal_length;
   vec2 position = distort(straight) * focal_length + principal_point - 0.5;
   vec4 result = vec4(0.0);

@@ -193,7 +193,7 @@ class PublishingTest : public GlTest {
 };
 
 /// Of the batched pipeline.
-constexpr std::size_t kSlicesBeforeTheSet = 0;
+constexpr std::size_t kSlicesBeforeTheSet = 4;
 
 const std::vector<glm::ivec2> kMixedSizes{{16, 16}, {32, 16}, {16, 48}, {64, 64}, {16, 16}};
 
@@ -448,6 +448,36 @@ TEST_F(PublishingTest, ExtractionIsNeverSoFarAheadThatNoPictureIsEverShown) {
   EXPECT_GE(shown_picture(store), 1U);
   extraction();
   store.end_picture({});
+}
+
+TEST_F(PublishingTest, AbandonedPictureIsNeverShownAndLeavesNothing) {
+  const PolygonModel model = rows_of_quads({5});
+  TextureStore direct(model, tight_layout(model, kMixedSizes, 128));
+  TextureStore store(model, tight_layout(model, kMixedSizes, 128), Publishing::buffered);
+  for (std::uint32_t k = 1; k <= 12; ++k) {
+    const std::vector<std::uint32_t> touched{k % 5, (k + 1) % 5};
+    const GLuint newest = store.pages();
+    const std::uint64_t shown = shown_picture(store);
+    extraction();
+    ASSERT_TRUE(store.begin_picture_in_pieces());
+    ASSERT_NE(store.pages(), newest);
+    // Now and then before all was brought up to date.
+    while (store.catch_up_left() > 0 && k % 3 != 0) store.catch_up(20'000);
+    paint(store, all_polygons(store), colour_of(100 + k));
+    store.abandon_picture();
+    EXPECT_EQ(store.pages(), newest);
+    glFinish();
+    EXPECT_EQ(shown_picture(store), shown);
+    extraction();
+    for (TextureStore* s : {&direct, &store}) {
+      ASSERT_TRUE(s->begin_picture());
+      paint(*s, touched, colour_of(k));
+      s->end_picture(touched);
+    }
+    glFinish();
+    EXPECT_EQ(difference(store, store.pages(), store.polygon_states(), direct), "") << k;
+    EXPECT_EQ(shown_picture(store), k);
+  }
 }
 
 TEST_F(PublishingTest, PictureInSlicesPausesWhileTheDisplayReadsAllOtherSets) {
