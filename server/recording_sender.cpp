@@ -24,7 +24,7 @@ constexpr const char* kWorld = "world";
 
 /// What is sent at one moment, in this order.
 enum class Kind { camera_pose, part_pose, joints, picture };
-struct Event {
+struct SendEvent {
   Timestamp stamp;
   Kind kind = Kind::picture;
   std::size_t which = 0;  ///< camera, or part
@@ -100,7 +100,7 @@ struct RecordingSender::State {
     for (std::size_t i = 0; i < recording.joints().stamps.size(); ++i) {
       events.push_back({recording.joints().stamps[i], Kind::joints, 0, i});
     }
-    std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
+    std::sort(events.begin(), events.end(), [](const SendEvent& a, const SendEvent& b) {
       return std::tie(a.stamp, a.kind, a.which, a.index) < std::tie(b.stamp, b.kind, b.which, b.index);
     });
   }
@@ -115,7 +115,7 @@ struct RecordingSender::State {
     if (!message.transforms.empty()) tf_static->write(message);
   }
 
-  void send_picture(const Event& event) {
+  void send_picture(const SendEvent& event) {
     Camera& camera = cameras[event.which];
     const Recording::PictureEntry& entry = recording.cameras()[event.which].pictures[event.index];
     const MessageHeader header{event.stamp + shift, camera.frame};
@@ -134,7 +134,7 @@ struct RecordingSender::State {
     ++summary.pictures;
   }
 
-  void send(const Event& event) {
+  void send(const SendEvent& event) {
     if (event.kind == Kind::picture) return send_picture(event);
     if (event.kind == Kind::joints) {
       joints->write({{event.stamp + shift, ""}, recording.joints().names, recording.joints().positions[event.index]});
@@ -165,7 +165,7 @@ struct RecordingSender::State {
   std::vector<std::pair<std::string, const Trajectory*>> parts;
   std::unique_ptr<DdsWriter<TransformMessage>> tf, tf_static;
   std::unique_ptr<DdsWriter<JointStateMessage>> joints;
-  std::vector<Event> events;
+  std::vector<SendEvent> events;
   Duration shift;  ///< of the stamps sent
   Summary summary;
 };
@@ -191,13 +191,13 @@ bool RecordingSender::is_heard() const {
 
 RecordingSender::Summary RecordingSender::run(const std::function<bool()>& goes_on) {
   State& state = *state_;
-  const std::vector<Event>& events = state.events;
+  const std::vector<SendEvent>& events = state.events;
   const Timestamp first = events.front().stamp, last = events.back().stamp;
   if (!state.options.keeps_stamps) state.shift = wall_now() - first;
   state.send_static();
   Timestamp begin = steady_now();
   do {
-    for (const Event& event : events) {
+    for (const SendEvent& event : events) {
       const Duration since = Duration::from_seconds((event.stamp - first).seconds() / state.options.speed);
       if (!State::wait_until(begin + since, goes_on)) return state.summary;
       state.send(event);

@@ -267,6 +267,7 @@ std::unique_ptr<DdsWriter<Message>> DdsNode::advertise(const std::string& topic,
   return std::make_unique<Writer<Message>>(state_->participant.handle(), topic, qos);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type cannot stand in parentheses
 #define FOREVIEW_INSTANTIATE(Message)                                                                                \
   template std::unique_ptr<DdsReader> DdsNode::subscribe<Message>(const std::string&, QosProfile,                    \
                                                                   std::function<void(Message&&, const Reception&)>); \
@@ -279,5 +280,6 @@ FOREVIEW_INSTANTIATE(TransformMessage);
 FOREVIEW_INSTANTIATE(PoseMessage);
 FOREVIEW_INSTANTIATE(TextMessage);
 #undef FOREVIEW_INSTANTIATE
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace foreview
