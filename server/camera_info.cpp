@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint32_t kLargestSide = 16384;  // pixels, as in camera.yaml
 constexpr double kLargestPixel = 1e7;
+constexpr double kShortestFocalLength = 1e-3;  // pixels; smaller ones vanish when they are divided by the binning
 constexpr double kLargestCoefficient = 1e9;
 constexpr double kPixelCentre = 0.5;  // ROS counts from the centre of the upper left pixel, we from its corner
 
@@ -57,7 +58,8 @@ CameraModel camera_from_info(const CameraInfoMessage& info, const std::string& w
   camera.height = side(info.height, "height");
   const auto& k = info.k;
   if (k[0] == 0) throw InputError(where, "the camera is not calibrated (k[0] is 0); expected its intrinsics");
-  if (!(k[0] > 0 && k[0] <= kLargestPixel && k[4] > 0 && k[4] <= kLargestPixel)) {
+  if (!(k[0] >= kShortestFocalLength && k[0] <= kLargestPixel && k[4] >= kShortestFocalLength &&
+        k[4] <= kLargestPixel)) {
     throw InputError(where, "focal lengths are " + number_text(k[0]) + " and " + number_text(k[4]) +
                                 "; expected pixels, greater than 0");
   }

@@ -70,6 +70,7 @@ TEST(CameraInfo, RefusesWhatCannotBe) {
   EXPECT_NE(error([](auto& i) { i.height = 4'000'000'000; }).find("expected 1 to 16384"), std::string::npos);
   EXPECT_NE(error([](auto& i) { i.k = {}; }).find("not calibrated"), std::string::npos);
   EXPECT_NE(error([](auto& i) { i.k[4] = std::nan(""); }).find("focal lengths"), std::string::npos);
+  EXPECT_NE(error([](auto& i) { i.k[0] = 5e-324, i.binning_x = 2; }).find("focal lengths"), std::string::npos);
   EXPECT_NE(error([](auto& i) { i.k[1] = 1; }).find("fx, 0, cx"), std::string::npos);
   EXPECT_NE(error([](auto& i) { i.k[2] = std::nan(""); }).find("principal point"), std::string::npos);
   EXPECT_NE(error([](auto& i) { i.d = {1, 2}; }).find("expected 4, 5 or 8"), std::string::npos);
