@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,7 +32,7 @@ class Gatherer {
   void gather(const CameraModel& camera, double near_plane, GLuint undistorted, GLuint exposure,
               const PictureBounds& bounds, const PatchLists& patches, const LayerTargets& into, const Run& units);
   /// Texels of the picture's polygons, by area: before patches that can change nothing are left out.
-  [[nodiscard]] std::size_t texels() const { return static_cast<std::size_t>(texels_ + 0.5); }
+  [[nodiscard]] std::size_t texels() const { return static_cast<std::size_t>(std::llround(texels_)); }
   void set_counting(bool on) { counting_ = on; }
   /// Texels of the picture that took a colour, if counting was on. Waits for the GPU.
   [[nodiscard]] std::size_t observed() const;
