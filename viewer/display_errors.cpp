@@ -1,8 +1,12 @@
 #include "foreview/viewer/display_errors.h"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <cstdio>
+#include <exception>
+#include <utility>
 
 namespace foreview {
 namespace {
@@ -19,26 +23,39 @@ struct XErrorEvent {
 };
 using ErrorHandler = int (*)(void*, XErrorEvent*);
 using IoErrorHandler = int (*)(void*);
-using IoErrorExitHandler = void (*)(void*, void*);
 
 constexpr unsigned char kBadWindow = 3, kBadDrawable = 9;
+constexpr int kGraphicsError = 3;  // as main.cpp
 
-std::atomic<DisplayState> state{DisplayState::well};
+std::atomic<bool> window_gone{false};
+std::function<void()>& lost_action() {
+  static std::function<void()> action;
+  return action;
+}
 
 int on_error(void* /*display*/, XErrorEvent* event) {
-  const bool window = event->error_code == kBadWindow || event->error_code == kBadDrawable;
-  DisplayState well = DisplayState::well;
-  if (window) state.compare_exchange_strong(well, DisplayState::window_gone);
+  if (event->error_code == kBadWindow || event->error_code == kBadDrawable) window_gone = true;
   return 0;
+}
+
+[[noreturn]] void end_without_display() {
+  static std::atomic<bool> ending{false};
+  if (!ending.exchange(true)) {
+    try {
+      if (lost_action()) lost_action()();
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "foreview: %s\n", error.what());
+    }
+  }
+  std::fputs("foreview: the display server is gone\n", stderr);
+  std::fflush(nullptr);
+  // Destructors would ask the display to take the window away.
+  _exit(kGraphicsError);
 }
 
 int on_io_error(void* /*display*/) {
-  state = DisplayState::server_gone;
-  return 0;
+  end_without_display();
 }
-
-/// Returning from here lets Xlib's call return to its caller, instead of ending the process.
-void on_io_error_exit(void* /*display*/, void* /*data*/) {}
 
 struct Xlib {
   void* library = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
@@ -49,24 +66,22 @@ struct Xlib {
   ErrorHandler (*set_error_handler)(ErrorHandler) = find<ErrorHandler (*)(ErrorHandler)>("XSetErrorHandler");
   IoErrorHandler (*set_io_error_handler)(IoErrorHandler) =
       find<IoErrorHandler (*)(IoErrorHandler)>("XSetIOErrorHandler");
-  // Since libX11 1.7; without it Xlib ends the process after on_io_error().
-  void (*set_io_error_exit_handler)(void*, IoErrorExitHandler,
-                                    void*) = find<void (*)(void*, IoErrorExitHandler, void*)>("XSetIOErrorExitHandler");
 };
 
 }  // namespace
 
-void watch_display(void* native_display) {
+void watch_display() {
   static const Xlib xlib;
   if (xlib.set_error_handler != nullptr) xlib.set_error_handler(on_error);
   if (xlib.set_io_error_handler != nullptr) xlib.set_io_error_handler(on_io_error);
-  if (xlib.set_io_error_exit_handler != nullptr && native_display != nullptr) {
-    xlib.set_io_error_exit_handler(native_display, on_io_error_exit, nullptr);
-  }
 }
 
-DisplayState display_state() {
-  return state;
+bool window_is_gone() {
+  return window_gone;
+}
+
+void set_display_lost_action(std::function<void()> action) {
+  lost_action() = std::move(action);
 }
 
 }  // namespace foreview

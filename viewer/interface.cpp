@@ -1,12 +1,11 @@
 #include "foreview/viewer/interface.h"
 
-// GLFW must not bring OpenGL headers of its own.
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <imgui_internal.h>
+
+#include <algorithm>
 
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/interface_theme.h"
@@ -18,12 +17,8 @@ struct Interface::State {
   explicit State(Window& shown_in) : window(shown_in) {}
 
   void set_scale() {
-    // Some systems count in points of several pixels each; there, fonts are made in pixels and the rest in points.
-    int points = 0, ignored = 0;
-    glfwGetWindowSize(window.handle(), &points, &ignored);
-    const float density = points > 0 && window.width() > 0
-                              ? static_cast<float>(window.width()) / static_cast<float>(points)
-                              : pixels_per_point;
+    // Where there are points of several pixels each, fonts are made in pixels and the rest in points.
+    const float density = window.pixels_per_point();
     if (window.content_scale() == scale && density == pixels_per_point) return;
     const bool first = scale == 0;
     scale = window.content_scale();
@@ -67,13 +62,16 @@ void Interface::begin() {
   state_->set_scale();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  // What the backend asks the display for may be of another moment, or nonsense when the window is gone.
+  const float density = state_->window.pixels_per_point();
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(std::max(state_->window.width(), 0)) / density,
+                    static_cast<float>(std::max(state_->window.height(), 0)) / density};
+  io.DisplayFramebufferScale = {density, density};
   ImGui::NewFrame();
   const ImGuiContext& context = *ImGui::GetCurrentContext();
   const bool busy = ImGui::IsAnyItemActive() || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
   if (context.NavWindowingTarget != nullptr) state_->entered = true;  // Ctrl+Tab
-  if (state_->entered && !busy && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) {
-    state_->entered = false;
-  }
   // Without this a click into a panel would take the keys with it.
   if (!state_->entered && !busy && context.NavWindow != nullptr) ImGui::SetWindowFocus(nullptr);
 }
@@ -94,6 +92,10 @@ void Interface::end() {
 
 void Interface::enter() {
   state_->entering = true;
+}
+
+void Interface::leave() {
+  if (!ImGui::IsAnyItemActive() && !ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) state_->entered = false;
 }
 
 bool Interface::wants_keys() const {

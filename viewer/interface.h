@@ -36,6 +36,8 @@ class Interface {
 
   /// The keyboard goes into the panels, to the widget that had it last.
   void enter();
+  /// Escape was pressed: the keyboard goes back to the view, unless an open list or a figure being typed closes first.
+  void leave();
   [[nodiscard]] bool wants_keys() const;
   /// A slider is being dragged, or a figure typed: what it changes is not final.
   [[nodiscard]] bool is_editing() const;

@@ -9,22 +9,31 @@
 namespace foreview {
 namespace {
 
-void show_rows(const std::vector<KeyRow>& rows, std::size_t from, std::size_t to) {
+void show_rows(const char* id, const std::vector<KeyRow>& rows, std::size_t from, std::size_t to, float em,
+               float width) {
+  if (!ImGui::BeginTable(id, 2, ImGuiTableFlags_None, {width, 0})) return;
+  ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, em * 9.5F);
+  ImGui::TableSetupColumn("effect", ImGuiTableColumnFlags_WidthStretch);
   const char* group = "";
   for (std::size_t i = from; i < to; ++i) {
     if (std::strcmp(group, rows[i].group) != 0) {
-      if (i > from) ImGui::Spacing();
       group = rows[i].group;
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      if (i > from) ImGui::Dummy({0, em * 0.2F});
       ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(interface_colour::kAccent), "%s", group);
     }
-    ImGui::TextUnformatted(rows[i].keys.c_str());
-    ImGui::SameLine(ImGui::GetFontSize() * 8.5F);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
     ImGui::PushTextWrapPos(0);
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextUnformatted(rows[i].keys.c_str());
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.68F, 0.69F, 0.71F, 1));
     ImGui::TextUnformatted(rows[i].effect);
     ImGui::PopStyleColor();
     ImGui::PopTextWrapPos();
   }
+  ImGui::EndTable();
 }
 
 /// Where the second column begins: the start of a group, near the middle.
@@ -55,14 +64,12 @@ void show_help(const PanelInput& input, const PanelLayout& layout) {
     const std::vector<KeyRow>& rows = key_rows();
     const bool two_columns = width > input.em * 44;
     const std::size_t split = two_columns ? middle(rows) : rows.size();
-    if (ImGui::BeginTable("keys", two_columns ? 2 : 1, ImGuiTableFlags_PadOuterX)) {
-      ImGui::TableNextColumn();
-      show_rows(rows, 0, split);
-      if (two_columns) {
-        ImGui::TableNextColumn();
-        show_rows(rows, split, rows.size());
-      }
-      ImGui::EndTable();
+    const float room = ImGui::GetContentRegionAvail().x;
+    const float column = two_columns ? (room - input.em) / 2 : room;
+    show_rows("left", rows, 0, split, input.em, column);
+    if (two_columns) {
+      ImGui::SameLine(0, input.em);
+      show_rows("right", rows, split, rows.size(), input.em, column);
     }
   }
   ImGui::End();

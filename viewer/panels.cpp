@@ -34,6 +34,7 @@ void show_side(const PanelInput& input, const PanelLayout& layout) {
   if (ImGui::Begin("Panels", nullptr, kFixed)) {
     section("View", true, show_view_panel, input);
     section("Link", true, show_link_panel, input);
+    if (input.control.settings().probe) section("Polygon under the cursor", true, show_polygon_panel, input);
     section("Status", true, show_status_panel, input);
     section("Extraction", false, show_extraction_panel, input);
     ImGui::Dummy({0, input.em * 0.2F});

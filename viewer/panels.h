@@ -22,6 +22,7 @@ void show_view_panel(const PanelInput& input);
 void show_link_panel(const PanelInput& input);
 void show_extraction_panel(const PanelInput& input);
 void show_status_panel(const PanelInput& input);
+void show_polygon_panel(const PanelInput& input);
 void show_help(const PanelInput& input, const PanelLayout& layout);
 
 }  // namespace foreview

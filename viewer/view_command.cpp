@@ -38,6 +38,8 @@ void write_json(const std::filesystem::path& file, const ViewerSummary& summary)
       {"frames_skipped", summary.frames_skipped},
       {"frames_missed", summary.frames_missed},
       {"contexts_lost", summary.contexts_lost},
+      {"objects_grown", summary.objects_grown},
+      {"objects_left", summary.objects_left},
   };
   write_file_whole(file, json.dump(2) + "\n");
 }

@@ -3,12 +3,18 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <future>
+#include <string_view>
 #include <utility>
 
 #include "foreview/gpu/gl_objects.h"
+#include "foreview/scene/errors.h"
 #include "foreview/server/recording_player.h"
+#include "foreview/viewer/command_line.h"
+#include "foreview/viewer/display_errors.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/viewer_stage.h"
@@ -25,6 +31,19 @@ constexpr std::size_t kMostContextsLost = 3;
 
 bool is_software(const std::string& renderer) {
   return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+}
+
+/// For tests, FOREVIEW_LOSE_CONTEXT=N: as if the context were lost when frame N is to be drawn.
+std::optional<std::int64_t> frame_to_lose_context_at() {
+  const char* value = std::getenv("FOREVIEW_LOSE_CONTEXT");
+  if (value == nullptr || *value == '\0') return std::nullopt;
+  std::int64_t frame = 0;
+  const std::string_view text(value);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
+  if (error != std::errc() || end != text.data() + text.size() || frame < 0) {
+    throw InputError("FOREVIEW_LOSE_CONTEXT", "'" + std::string(text) + "' cannot be; expected the number of a frame");
+  }
+  return frame;
 }
 
 std::string renderer_of_current_context() {
@@ -45,6 +64,7 @@ class ViewerSession {
         clock_(clock_options()),
         player_(input_.recording, input_.model, clock_, player_options()),
         control_(control_options(), &clock_) {
+    spdlog::debug("recording and model after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
     control_.settings().panels = options.panels;
     status_.name = input_.recording.name();
     status_.first = span_.first;
@@ -52,6 +72,10 @@ class ViewerSession {
   }
 
   ViewerSummary run() {
+    struct Watch {
+      ~Watch() { set_display_lost_action({}); }
+    } const watch;
+    set_display_lost_action([this] { save_what_can_be_saved(); });
     bool going = true;
     while (going) {
       try {
@@ -127,6 +151,7 @@ class ViewerSession {
   void run_stage() {
     status_.renderer = renderer_of_current_context();
     stage_.emplace(*window_, input_, player_, control_);
+    spdlog::debug("textures, views and panels after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
     applied_extraction_ = control_.settings().extraction;
     if (!window_sized_) {
       const FrameComposer::Size size = stage_->wanted_window();
@@ -151,6 +176,9 @@ class ViewerSession {
     last_completed_.reset();
     try {
       while (loop.run_frame()) between_frames();
+    } catch (const ContextLost&) {
+      count(loop);
+      throw;
     } catch (const WindowLost&) {
       finish(loop);
       throw;
@@ -159,6 +187,14 @@ class ViewerSession {
   }
 
   void finish(const DisplayLoop& loop) {
+    count(loop);
+    summary_.counters.describe(stage_->scene().store());
+    if (const auto& directory = options_.replay.save_textures) {
+      in_extraction_context(stage_->scene().platform(), [&] { save_textures(stage_->scene().store(), *directory); });
+    }
+  }
+
+  void count(const DisplayLoop& loop) {
     const DisplayLoop::Statistics statistics = loop.statistics();
     const auto add = [](std::size_t& to, std::int64_t count) { to += static_cast<std::size_t>(count); };
     add(summary_.frames, statistics.schedule.frames);
@@ -166,19 +202,27 @@ class ViewerSession {
     add(summary_.frames_skipped, statistics.schedule.skipped);
     add(summary_.frames_missed, statistics.schedule.missed);
     summary_.counters.pictures_extracted += statistics.pictures_finished;
-    summary_.counters.describe(stage_->scene().store());
+    summary_.objects_grown = live_gl_objects() - objects_at_first_;
     loop_ = nullptr;
-    spdlog::debug("OpenGL objects: {} at the first picture, {} at the end", objects_at_first_, live_gl_objects());
-    if (const auto& directory = options_.replay.save_textures) {
-      in_extraction_context(stage_->scene().platform(), [&] { save_textures(stage_->scene().store(), *directory); });
-    }
+  }
+
+  /// The display server is gone: what can be kept without it.
+  void save_what_can_be_saved() {
+    wait_for_saving();
+    const auto& directory = options_.replay.save_textures;
+    if (!directory || !stage_) return;
+    stage_->scene().platform().in_extraction([&] { save_textures(stage_->scene().store(), *directory); });
+    spdlog::info("textures saved in {}", directory->string());
   }
 
   bool poll() {
     window_->poll_events();
     for (const Window::Key& key : window_->take_keys()) {
       // Function keys work wherever the keyboard is.
-      if (stage_->interface().wants_keys() && key.chord.key < KeyChord::f1) continue;
+      if (stage_->interface().wants_keys() && key.chord.key < KeyChord::f1) {
+        if (key.chord.key == KeyChord::escape) stage_->interface().leave();
+        continue;
+      }
       if (const auto action = action_of(key.chord, key.repeated)) control_.act(*action);
     }
     window_->set_full_screen(control_.settings().full_screen);
@@ -186,6 +230,10 @@ class ViewerSession {
   }
 
   void draw(const FrameMoment& moment) {
+    if (lose_context_at_ && moment.number == *lose_context_at_) {
+      lose_context_at_.reset();
+      throw ContextLost("the graphics context was lost (asked for)");
+    }
     if (window_->minimised()) return;
     const Timestamp t = player_.time_at(moment.seen);
     if (const std::uint64_t generation = player_.generation(); generation != generation_) {
@@ -280,6 +328,7 @@ class ViewerSession {
     status_.source = player_.status();
     status_.texture_bytes = stage_->scene().store().memory_bytes();
     status_.truth_known = stage_->truth_known();
+    stage_->tell_probe(status_);
     if (!memory_asked_ || moment.now - *memory_asked_ > kMemoryInterval) {
       memory_asked_ = moment.now;
       status_.process_bytes = resident_bytes();
@@ -308,7 +357,17 @@ class ViewerSession {
     window_->set_title(viewer_title(title));
   }
 
-  void copy_command() { say("not yet"); }
+  void copy_command() {
+    // Headless replay writes the times of pictures: the one shown, or the one before.
+    const auto index = input_.recording.newest_before(input_.camera, clock_.now().time + Duration{1});
+    ReplayOptions replay = options_.replay;
+    replay.extraction = control_.settings().extraction;
+    replay.delay = control_.settings().link.delay;
+    const CommandLine command = headless_command(replay, control_.settings().choice, index.value_or(0));
+    window_->copy_to_clipboard(command.text);
+    spdlog::info("{}", command.text);
+    say("copied: " + command.text + (command.left_out.empty() ? "" : "  (without " + command.left_out + ")"));
+  }
 
   // Saving.
 
@@ -368,6 +427,7 @@ class ViewerSession {
   ExtractionOptions applied_extraction_;
   ViewerSummary summary_;
 
+  std::optional<std::int64_t> lose_context_at_ = frame_to_lose_context_at();
   bool window_sized_ = false, first_ = true, drawn_ = false;
   long objects_at_first_ = 0;
   std::uint64_t generation_ = ~std::uint64_t{0};
@@ -383,9 +443,7 @@ class ViewerSession {
 ViewerSummary view_recording(const ViewerOptions& options) {
   const long objects = live_gl_objects();
   ViewerSummary summary = ViewerSession(options).run();
-  if (live_gl_objects() != objects) {
-    spdlog::warn("{} OpenGL objects were not given back", live_gl_objects() - objects);
-  }
+  summary.objects_left = live_gl_objects() - objects;
   return summary;
 }
 

@@ -27,6 +27,8 @@ struct ViewerSummary {
   double from_seconds = 0, to_seconds = 0;  ///< since the recording's start
   std::size_t pictures_written = 0;
   std::size_t contexts_lost = 0;
+  long objects_grown = 0;  ///< OpenGL objects made between the first picture and the end
+  long objects_left = 0;   ///< not given back
   std::size_t frames = 0, frames_late = 0, frames_skipped = 0, frames_missed = 0;
   RunCounters counters;
   SourceStatus source;
@@ -34,7 +36,7 @@ struct ViewerSummary {
 
 /// Plays the recording in a window as if it came in live, until the user leaves; display at a steady rate, extraction
 /// beside it. A lost graphics context is made anew, the textures with it. Throws WindowLost, after --save-textures was
-/// done, where window or display server are gone; GraphicsError and InputError where it cannot begin. Ctrl-C ends it
+/// done, where the window is gone; GraphicsError and InputError where it cannot begin. Ctrl-C ends it
 /// like Q: the caller sees interrupted().
 [[nodiscard]] ViewerSummary view_recording(const ViewerOptions& options);
 

@@ -38,7 +38,22 @@ ViewerStage::ViewerStage(Window& window, const ReplayInput& input, RecordingPlay
       view_(scene_.store()),
       frames_(player, input.camera, &input.recording),
       camera_model_(input.recording.cameras()[input.camera].model.undistorted()) {
-  composer_.emplace(view_, input.recording.cameras()[input.camera].model, control.settings().extraction.near_plane);
+  make_composer(control.settings().extraction.near_plane);
+}
+
+void ViewerStage::make_composer(double near_plane) {
+  const CameraModel& camera = input_.recording.cameras()[input_.camera].model;
+  composer_.emplace(view_, camera, near_plane);
+  probe_.emplace(view_, camera_model_, near_plane);
+}
+
+void ViewerStage::tell_probe(ViewerStatus& status) const {
+  status.polygon.reset();
+  status.polygon_found = control_.settings().probe && probe_->found().has_value();
+  if (!status.polygon_found) return;
+  status.polygon = probe_->report();
+  status.polygon_distance = probe_->found()->distance;
+  status.texel_captured = probe_->found()->captured;
 }
 
 FrameComposer::Size ViewerStage::wanted_window() const {
@@ -71,6 +86,8 @@ void ViewerStage::take_in_mouse() {
   frame.wheel = pointer.wheel;
   if (control_.over_split(frame)) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   control_.point(frame);
+  cursor_.reset();
+  if (frame.over_frame) cursor_ = frame.position;
 }
 
 void ViewerStage::advance_camera(const FrameMoment& moment, Timestamp t) {
@@ -105,6 +122,11 @@ void ViewerStage::draw(const FrameMoment& moment, Timestamp t, Timestamp since, 
   frame_size_ = composer_->fitting_size(choice.mode, view_area_.width, view_area_.height);
   shown_ = &frames_.at(t, since, moment, choice, camera_);
   composer_->compose(*shown_, choice, frame_size_);
+  control_.settings().choice.polygon.reset();
+  if (control_.settings().probe) {
+    probe_->update(*shown_, choice, frame_size_, cursor_);
+    if (probe_->found()) control_.settings().choice.polygon = probe_->found()->polygon;
+  }
   window_.draw(composer_->framebuffer(), frame_size_.width, frame_size_.height, view_area_);
   interface_.end();
 }
@@ -118,7 +140,7 @@ cv::Mat ViewerStage::take_picture() {
 
 void ViewerStage::set_extraction(const ExtractionOptions& options) {
   scene_.replace_extraction(options);
-  composer_.emplace(view_, input_.recording.cameras()[input_.camera].model, options.near_plane);
+  make_composer(options.near_plane);
 }
 
 }  // namespace foreview

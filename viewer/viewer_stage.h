@@ -8,6 +8,7 @@
 #include "foreview/viewer/live_frames.h"
 #include "foreview/viewer/live_scene.h"
 #include "foreview/viewer/panel_layout.h"
+#include "foreview/viewer/polygon_probe.h"
 #include "foreview/viewer/predicted_view.h"
 #include "foreview/viewer/replay_input.h"
 #include "foreview/viewer/viewer_control.h"
@@ -31,6 +32,8 @@ class ViewerStage {
   /// One frame: takes in the mouse, draws panels and view. `t`: display time when the frame will be seen; `since`: see
   /// LiveFrames::at().
   void draw(const FrameMoment& moment, Timestamp t, Timestamp since, const ViewerStatus& status);
+  /// What is under the cursor, into the status; nothing where that is not asked for.
+  void tell_probe(ViewerStatus& status) const;
   [[nodiscard]] bool truth_known() const { return frames_.truth_known(); }
 
   /// The last frame again, in the camera's own size, read back: CV_8UC3 BGR; empty before the first frame.
@@ -50,6 +53,9 @@ class ViewerStage {
   LiveScene scene_;
   PredictedView view_;
   std::optional<FrameComposer> composer_;
+  std::optional<PolygonProbe> probe_;
+  std::optional<glm::dvec2> cursor_;  ///< pixels of the frame
+  void make_composer(double near_plane);
   LiveFrames frames_;
   CameraModel camera_model_;  ///< without distortion
   PanelLayout layout_;
@@ -58,7 +64,6 @@ class ViewerStage {
   FrameInput* shown_ = nullptr;
   std::optional<Timestamp> advanced_to_;  ///< steady clock
   Pose camera_;
-  bool hand_cursor_ = false;
 };
 
 }  // namespace foreview

@@ -9,6 +9,7 @@
 #include "foreview/gpu/extraction.h"
 #include "foreview/scene/timestamp.h"
 #include "foreview/server/frame_source.h"
+#include "foreview/viewer/polygon_report.h"
 #include "foreview/viewer/view_choice.h"
 
 namespace foreview {
@@ -45,6 +46,12 @@ struct ViewerStatus {
   // Memory, in bytes.
   std::size_t texture_bytes = 0;
   std::size_t process_bytes = 0;  ///< resident
+
+  // Under the cursor, where asked for.
+  std::optional<PolygonReport> polygon;
+  bool polygon_found = false;
+  double polygon_distance = 0;              ///< metres
+  std::optional<Timestamp> texel_captured;  ///< of the colour under the cursor
 
   bool truth_known = false;  ///< ViewMode::difference has something to compare with
   std::string message;       ///< what was done last ("saved ..."), for a few seconds

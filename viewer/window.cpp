@@ -6,8 +6,6 @@
 #define GLFW_EXPOSE_NATIVE_EGL
 #include <GLFW/glfw3native.h>
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -69,13 +67,6 @@ int printable_key(int key, int scancode) {
   return key > ' ' && key <= '~' ? std::tolower(key) : 0;
 }
 
-/// Xlib's Display; null with another window system. (glfw3native.h would bring all of Xlib's macros for it.)
-void* x11_display() {
-  using Function = void* (*)();
-  static const auto kFunction = reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, "glfwGetX11Display"));
-  return kFunction != nullptr ? kFunction() : nullptr;
-}
-
 void limit_to_monitor(int& width, int& height) {
   GLFWmonitor* monitor = glfwGetPrimaryMonitor();
   if (monitor == nullptr) return;
@@ -115,6 +106,9 @@ Window::Window(const std::string& title, int width, int height) : title_(title) 
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
     static_cast<Window*>(glfwGetWindowUserPointer(window))->on_key(key, scancode, action, modifiers);
   });
+  glfwSetWindowSizeCallback(window_, [](GLFWwindow* window, int points, int) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->points_ = points;
+  });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int new_width, int new_height) {
     auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
     self->width_ = new_width;
@@ -124,27 +118,20 @@ Window::Window(const std::string& title, int width, int height) : title_(title) 
     static_cast<Window*>(glfwGetWindowUserPointer(window))->content_scale_ = x_scale;
   });
   glfwGetFramebufferSize(window_, &width_, &height_);
+  int points_high = 0;
+  glfwGetWindowSize(window_, &points_, &points_high);
   float y_scale = 1;
   glfwGetWindowContentScale(window_, &content_scale_, &y_scale);
-  watch_display(x11_display());
+  watch_display();
 }
 
 Window::~Window() {
-  // A display server that is gone answers no more, and GLFW would ask it.
-  if (display_state() == DisplayState::server_gone) return;
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
 
 void Window::check_alive() const {
-  switch (display_state()) {
-    case DisplayState::well:
-      break;
-    case DisplayState::window_gone:
-      throw WindowLost("the window was destroyed by another program");
-    case DisplayState::server_gone:
-      throw WindowLost("the display server is gone");
-  }
+  if (window_is_gone()) throw WindowLost("the window was destroyed by another program");
 }
 
 void Window::on_key(int key, int scancode, int action, int modifiers) {
@@ -165,7 +152,7 @@ void Window::poll_events(double wait_seconds) {
   } else {
     glfwPollEvents();
   }
-  watch_display(x11_display());
+  watch_display();
   check_alive();
 }
 

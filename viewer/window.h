@@ -12,8 +12,8 @@ struct GLFWwindow;
 
 namespace foreview {
 
-/// The window, or the display server that showed it, is gone: nothing can be drawn any more, but what else the process
-/// holds is whole.
+/// The window is gone: nothing can be drawn any more, but what else the process holds is whole. (Where the display
+/// server is gone, see display_errors.h.)
 class WindowLost : public GraphicsError {
  public:
   using GraphicsError::GraphicsError;
@@ -54,6 +54,10 @@ class Window {
   [[nodiscard]] bool minimised() const;
   /// Pixels per pixel of an ordinary screen (96 dots per inch), as the user has set it.
   [[nodiscard]] float content_scale() const { return content_scale_; }
+  /// Where the window system counts in points of several pixels each, as on some other systems than X11; else 1.
+  [[nodiscard]] float pixels_per_point() const {
+    return points_ > 0 && width_ > 0 ? static_cast<float>(width_) / static_cast<float>(points_) : 1;
+  }
   /// Of the monitor it is on, in hertz; 0 where unknown.
   [[nodiscard]] int refresh_rate() const;
 
@@ -78,6 +82,7 @@ class Window {
 
   GLFWwindow* window_ = nullptr;
   int width_ = 0, height_ = 0;
+  int points_ = 0;  ///< width in screen coordinates, of the same moment
   float content_scale_ = 1;
   std::string title_;
   std::vector<Key> keys_;

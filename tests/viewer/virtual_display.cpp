@@ -95,7 +95,7 @@ VirtualDisplay::VirtualDisplay(int width, int height) {
 }
 
 VirtualDisplay::~VirtualDisplay() {
-  XCloseDisplay(connection_->display);
+  if (connection_->display != nullptr) XCloseDisplay(connection_->display);
   delete connection_;
   kill(server_, SIGTERM);
   waitpid(server_, nullptr, 0);
@@ -119,7 +119,7 @@ std::string VirtualDisplay::wait_for_title(const std::string& beginning, const s
   return last;
 }
 
-void VirtualDisplay::press(const std::string& beginning, const std::string& key) const {
+void VirtualDisplay::press(const std::string& beginning, const std::string& key, unsigned modifiers) const {
   Display* display = connection_->display;
   XKeyEvent event{};
   event.display = display;
@@ -127,13 +127,16 @@ void VirtualDisplay::press(const std::string& beginning, const std::string& key)
   if (event.window == 0) return;
   event.root = DefaultRootWindow(display);
   event.same_screen = True;
+  event.state = modifiers;
   event.keycode = XKeysymToKeycode(display, XStringToKeysym(key.c_str()));
   for (const int type : {KeyPress, KeyRelease}) {
     event.type = type;
     XSendEvent(display, event.window, True, type == KeyPress ? KeyPressMask : KeyReleaseMask,
                reinterpret_cast<XEvent*>(&event));
+    XSync(display, False);
+    // As long as a finger takes at least: widgets look at keys once a frame.
+    if (type == KeyPress) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  XSync(display, False);
 }
 
 void VirtualDisplay::resize(const std::string& beginning, int width, int height) const {
@@ -176,6 +179,73 @@ void VirtualDisplay::close(const std::string& beginning) const {
   event.xclient.data.l[0] = static_cast<long>(XInternAtom(display, "WM_DELETE_WINDOW", False));
   XSendEvent(display, event.xclient.window, False, NoEventMask, &event);
   XSync(display, False);
+}
+
+void VirtualDisplay::move_mouse(const std::string& beginning, int x, int y) const {
+  const Window window = find_window(connection_->display, beginning);
+  if (window != 0) XWarpPointer(connection_->display, None, window, 0, 0, 0, 0, x, y);
+  XSync(connection_->display, False);
+}
+
+void VirtualDisplay::mouse_button(const std::string& beginning, int button, bool down) const {
+  Display* display = connection_->display;
+  XButtonEvent event{};
+  event.type = down ? ButtonPress : ButtonRelease;
+  event.display = display;
+  event.window = find_window(display, beginning);
+  if (event.window == 0) return;
+  event.root = DefaultRootWindow(display);
+  event.same_screen = True;
+  event.button = static_cast<unsigned>(button);
+  Window root = 0, child = 0;
+  XQueryPointer(display, event.window, &root, &child, &event.x_root, &event.y_root, &event.x, &event.y, &event.state);
+  XSendEvent(display, event.window, True, down ? ButtonPressMask : ButtonReleaseMask,
+             reinterpret_cast<XEvent*>(&event));
+  XSync(display, False);
+}
+
+void VirtualDisplay::drag_mouse(const std::string& beginning, int button, cv::Point from, cv::Point to) const {
+  const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(120)); };
+  move_mouse(beginning, from.x, from.y);
+  pause();
+  mouse_button(beginning, button, true);
+  pause();
+  constexpr int kSteps = 4;
+  for (int i = 1; i <= kSteps; ++i) {
+    const cv::Point at = from + (to - from) * i / kSteps;
+    move_mouse(beginning, at.x, at.y);
+    pause();
+  }
+  mouse_button(beginning, button, false);
+  pause();
+}
+
+void VirtualDisplay::set_minimised(const std::string& beginning, bool minimised) const {
+  Display* display = connection_->display;
+  const Window window = find_window(display, beginning);
+  if (window == 0) return;
+  const Atom property = XInternAtom(display, "WM_STATE", False);
+  const long state[2] = {minimised ? IconicState : NormalState, None};
+  XChangeProperty(display, window, property, property, 32, PropModeReplace,
+                  reinterpret_cast<const unsigned char*>(state), 2);
+  if (minimised) {
+    XUnmapWindow(display, window);
+  } else {
+    XMapWindow(display, window);
+  }
+  XSync(display, False);
+}
+
+void VirtualDisplay::destroy_window(const std::string& beginning) const {
+  const Window window = find_window(connection_->display, beginning);
+  if (window != 0) XDestroyWindow(connection_->display, window);
+  XSync(connection_->display, False);
+}
+
+void VirtualDisplay::kill_server() {
+  XCloseDisplay(connection_->display);
+  connection_->display = nullptr;
+  kill(server_, SIGKILL);
 }
 
 }  // namespace foreview::test

@@ -2,6 +2,7 @@
 #include <sys/types.h>
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 
@@ -26,12 +27,25 @@ class VirtualDisplay {
   /// Waits until the window's title contains `part`; the last title if it does not within that time.
   [[nodiscard]] std::string wait_for_title(const std::string& beginning, const std::string& part, double seconds) const;
   /// Presses and releases a key, named as X does ("Tab", "space", "m").
-  void press(const std::string& beginning, const std::string& key) const;
+  void press(const std::string& beginning, const std::string& key, unsigned modifiers = 0) const;
   void resize(const std::string& beginning, int width, int height) const;
   /// What the window shows, CV_8UC3 BGR; empty without the window.
   [[nodiscard]] cv::Mat screenshot(const std::string& beginning) const;
   /// Asks the window to close, as its frame's button does.
   void close(const std::string& beginning) const;
+
+  /// Moves the mouse to a place in the window.
+  void move_mouse(const std::string& beginning, int x, int y) const;
+  /// Presses or releases a mouse button where the mouse is: 1 left, 3 right; 4 and 5 are the wheel's steps.
+  void mouse_button(const std::string& beginning, int button, bool down) const;
+  /// Press, move in a few steps, release; with pauses, so that every step is seen.
+  void drag_mouse(const std::string& beginning, int button, cv::Point from, cv::Point to) const;
+  /// What a window manager does when the window is minimised and brought back.
+  void set_minimised(const std::string& beginning, bool minimised) const;
+  /// As another program would.
+  void destroy_window(const std::string& beginning) const;
+  /// Ends the server as if it had crashed. Nothing else can be asked of this afterwards.
+  void kill_server();
 
  private:
   struct Connection;
