@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "foreview/viewer/extraction_names.h"
+#include "foreview/viewer/view_options_cli.h"
 
 namespace foreview {
 namespace {
@@ -23,7 +24,7 @@ std::string shell_word(const std::string& text) {
   return quoted + "'";
 }
 
-CommandLine headless_command(const ReplayOptions& replay, const ViewChoice& choice, std::size_t index) {
+std::string headless_command(const ReplayOptions& replay, const ViewChoice& choice, std::size_t index) {
   const ReplayOptions usual;
   std::string text = "foreview replay " + shell_word(replay.recording.string());
   const auto add = [&](const char* option, const std::string& value) {
@@ -53,21 +54,8 @@ CommandLine headless_command(const ReplayOptions& replay, const ViewChoice& choi
   if (replay.density) add("--density", number(*replay.density));
   if (replay.max_texels) add("--max-texels", std::to_string(*replay.max_texels));
   if (replay.load_textures) add("--load-textures", replay.load_textures->string());
-  add("--view", to_string(choice.mode));
-  if (choice.overlays.edges) text += " --edges";
-  if (choice.overlays.holes) text += " --holes";
-  if (choice.overlays.wireframe) text += " --wireframe";
-  text += " --headless --out .";
-
-  CommandLine command{text, {}};
-  const auto leave_out = [&](const char* what) {
-    command.left_out += std::string(command.left_out.empty() ? "" : ", ") + what;
-  };
-  if (choice.camera != CameraMode::follow || choice.field_of_view) leave_out("the camera");
-  const Overlays& overlays = choice.overlays;
-  if (overlays.never_seen || overlays.age || overlays.density || overlays.cone) leave_out("some overlays");
-  if (choice.mode == ViewMode::split && choice.split != ViewChoice().split) leave_out("the split line's place");
-  return command;
+  for (const std::string& word : to_view_arguments(choice)) text += " " + shell_word(word);
+  return text + " --headless --out .";
 }
 
 }  // namespace foreview

@@ -7,15 +7,9 @@
 
 namespace foreview {
 
-/// A command to paste into a shell.
-struct CommandLine {
-  std::string text;
-  std::string left_out;  ///< what of the view has no option, for people; empty: nothing
-};
-
-/// The command that writes, without a window, the picture that the viewer shows at the time of picture `index` of the
-/// operator's camera.
-[[nodiscard]] CommandLine headless_command(const ReplayOptions& replay, const ViewChoice& choice, std::size_t index);
+/// The command for a shell that writes, without a window, the picture that the viewer shows at the time of picture
+/// `index` of the operator's camera.
+[[nodiscard]] std::string headless_command(const ReplayOptions& replay, const ViewChoice& choice, std::size_t index);
 
 /// As a shell takes it for one word.
 [[nodiscard]] std::string shell_word(const std::string& text);

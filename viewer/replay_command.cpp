@@ -19,6 +19,7 @@
 #include "foreview/viewer/replay_pacing.h"
 #include "foreview/viewer/replay_session.h"
 #include "foreview/viewer/replayer.h"
+#include "foreview/viewer/view_options_cli.h"
 #include "foreview/viewer/viewer_session.h"
 
 namespace foreview {
@@ -29,7 +30,6 @@ struct ReplayCommand {
   ReplayOptions replay;
   ReplaySessionOptions session;
   bool headless = false;
-  std::string view = "predicted";
   std::optional<std::filesystem::path> json;
 };
 
@@ -37,15 +37,8 @@ constexpr const char* kExamples =
     "Examples:\n"
     "  foreview replay workcell --delay 500ms\n"
     "  foreview replay my-recording --headless --out pictures --view both --every 10\n"
+    "  foreview replay workcell --headless --out pictures --at 2.5 --camera-mode overview --cone --never-seen\n"
     "  foreview replay workcell --headless --rate 50 --duration 20s --reference --pacing pacing.json";
-
-ViewMode parse_mode(const std::string& text) {
-  const std::optional<ViewMode> mode = parse_view_mode(text);
-  if (!mode) {
-    throw InputError("--view", "\"" + text + "\" is not known; expected predicted, delayed, both, split or difference");
-  }
-  return *mode;
-}
 
 void check(const ReplayCommand& command) {
   const double speed = command.session.speed;
@@ -55,6 +48,8 @@ void check(const ReplayCommand& command) {
     if (!command.headless) throw InputError("--rate", "expected --headless with it; a window has a rate of its own");
     if (command.replay.history) throw InputError("--history", "is not for --rate: pictures come as they arrive");
     if (!command.session.out.empty()) throw InputError("--out", "is not for --rate, which writes no pictures");
+  } else if (!command.session.at.empty() && !command.headless) {
+    throw InputError("--at", "expected --headless with it; a window begins at --from");
   } else if (command.headless && command.session.out.empty()) {
     throw InputError("--headless", "expected --out DIR with it, for the pictures, or --rate HZ");
   }
@@ -72,7 +67,7 @@ void write_json(const std::filesystem::path& file, Replayer& replayer, const Rep
       {"delay_seconds", command.replay.delay.seconds()},
       {"from_seconds", (replayer.first() - replayer.recording().first_stamp(replayer.camera())).seconds()},
       {"to_seconds", (replayer.last() - replayer.recording().first_stamp(replayer.camera())).seconds()},
-      {"view", command.view},
+      {"view", to_string(command.session.choice.mode)},
       {"pictures_written", summary.pictures_written},
       {"instants_without_state", summary.instants_without_state},
       {"pictures_extracted", replayer.pictures_extracted()},
@@ -95,7 +90,6 @@ void view(const ReplayCommand& command, bool quiet) {
 
 void run(const ReplayCommand& given, bool quiet) {
   ReplayCommand command = given;
-  command.session.choice.mode = parse_mode(command.view);
   command.session.delay = command.replay.delay;
   command.session.near_plane = command.replay.extraction.near_plane;
   check(command);
@@ -111,8 +105,8 @@ void run(const ReplayCommand& given, bool quiet) {
   Replayer replayer(command.replay);
   const ReplaySummary summary = replay_headless(replayer, command.session);
   if (!quiet) {
-    std::cout << summary.pictures_written << " pictures in " << command.session.out.string() << "/" << command.view
-              << "\n";
+    std::cout << summary.pictures_written << " pictures in " << command.session.out.string() << "/"
+              << to_string(command.session.choice.mode) << "\n";
   }
   if (replayer.pictures_damaged() > 0) {
     spdlog::warn("{} picture(s) could not be read and were left out", replayer.pictures_damaged());
@@ -133,19 +127,24 @@ void add_replay_command(CLI::App& app) {
   ReplaySessionOptions& session = command->session;
   replay->add_option("--speed", session.speed, "Recorded seconds per second (default: 1)")->type_name("FACTOR");
   replay->add_flag("--loop", session.loop, "Begin anew at the end");
-  replay->add_option("--view", command->view, "predicted, delayed or both, to begin with (default: predicted)")
-      ->type_name("VIEW");
-  replay->add_flag("--edges", session.choice.overlays.edges,
-                   "Begin with the model's edges over the delayed picture (M)");
-  replay->add_flag("--holes", session.choice.overlays.holes, "Begin with holes in pink (H)");
-  replay->add_flag("--wireframe", session.choice.overlays.wireframe, "Begin with the wireframe (W)");
+  add_view_options(*replay, session.choice);
   replay->add_flag("--headless", command->headless, "No window: write DIR/VIEW/PICTURE.png for every picture's time");
   replay->add_option("--out", session.out, "Where pictures go (default for S: where you are)")->type_name("DIR");
   replay->add_option("--every", session.every, "Headless: only every Nth picture's time (default: 1)")->type_name("N");
+  replay
+      ->add_option("--at", session.at,
+                   "Headless: only one frame, at exactly this time: seconds from the start, or #200")
+      ->type_name("POSITION");
   replay->add_option("--json", command->json, "Write what was done to this file")->type_name("FILE");
   add_pacing_options(*replay, command->pacing);
   replay->footer(kExamples);
-  replay->callback([command, &app] { run(*command, app.count("--quiet") > 0); });
+  replay->callback([command, &app, replay] {
+    const CLI::Option* const quality = replay->get_option("--quality");
+    if (quality->count() > 0 && quality->results().back() != "auto") {
+      command->pacing.quality = command->session.choice.quality;
+    }
+    run(*command, app.count("--quiet") > 0);
+  });
 }
 
 }  // namespace foreview

@@ -1,7 +1,10 @@
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <optional>
+#include <string>
 
+#include "foreview/scene/errors.h"
 #include "foreview/viewer/frame_composer.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/picture_output.h"
@@ -43,6 +46,22 @@ ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& op
   FrameComposer composer(replayer.view(), camera.model, options.near_plane);
   ReplayFrames frames(replayer, options.delay);
   ReplaySummary summary;
+  const auto write_frame = [&](Timestamp t, const std::string& stem) {
+    composer.compose(frames.at(t, options.choice), options.choice, composer.native_size(options.choice.mode));
+    write_png(directory / (stem + ".png"), composer.read());
+    ++summary.pictures_written;
+  };
+  if (!options.at.empty()) {
+    const Timestamp t = replayer.recording().parse_position(options.at, "--at", replayer.camera());
+    if (!replayer.predicted_state(t)) {
+      throw InputError("--at", "nothing was recorded at " + options.at + "; expected a time within the recording");
+    }
+    catch_up(replayer, t);
+    char stem[40];
+    std::snprintf(stem, sizeof stem, "at-%.3fs", (t - replayer.recording().first_stamp(replayer.camera())).seconds());
+    write_frame(t, stem);
+    return summary;
+  }
   if (!instants.empty()) catch_up(replayer, instants.front().stamp);
   ProgressBar progress("replay", instants.size());
   for (std::size_t i = 0; i < instants.size(); i += options.every) {
@@ -54,9 +73,7 @@ ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& op
       ++summary.instants_without_state;
       continue;
     }
-    composer.compose(frames.at(t, options.choice), options.choice, composer.native_size(options.choice.mode));
-    write_png(directory / (pictures[instants[i].index].stem + ".png"), composer.read());
-    ++summary.pictures_written;
+    write_frame(t, pictures[instants[i].index].stem);
     progress.update(i + 1);
   }
   return summary;

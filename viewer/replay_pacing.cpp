@@ -178,14 +178,6 @@ void add_pacing_options(CLI::App& command, ReplayPacingOptions& options) {
           throw InputError("--size", "'" + text + "' cannot be; expected a width and a height, as in 800x600");
         }
       });
-  add("--quality", "QUALITY",
-      "With --rate: full, fast or auto: fast where a full frame takes more than 40 % of a period (default: auto)",
-      [&options](const std::string& text) {
-        options.quality = parse_view_quality(text);
-        if (!options.quality && text != "auto") {
-          throw InputError("--quality", "'" + text + "' is not known; expected full, fast or auto");
-        }
-      });
   add("--pacing", "FILE", "With --rate: write every frame's and every picture's times to this file (JSON)",
       [&options](const std::string& text) { options.file = text; });
   command.add_flag("!--no-extraction", options.extraction, "With --rate: frames only");

@@ -24,7 +24,7 @@ struct ReplayPacingOptions {
   std::optional<std::filesystem::path> file;  ///< where the record goes
 };
 
-/// --rate, --duration, --size, --quality, --no-extraction, --reference, --back-to-back, --pacing. `options` must live
+/// --rate, --duration, --size, --no-extraction, --reference, --back-to-back, --pacing. `options` must live
 /// until the app has been parsed; values that cannot be are InputErrors naming the option.
 void add_pacing_options(CLI::App& command, ReplayPacingOptions& options);
 

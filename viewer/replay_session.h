@@ -19,6 +19,7 @@ struct ReplaySessionOptions {
   ViewChoice choice;
   std::filesystem::path out;  ///< where pictures go
   std::size_t every = 1;      ///< headless: only every Nth picture's instant
+  std::string at;             ///< headless: only this position (Recording::parse_position); empty: pictures' instants
 };
 
 /// What became of a replay.
@@ -34,7 +35,7 @@ struct ReplayInstant {
 };
 [[nodiscard]] std::vector<ReplayInstant> replay_instants(Replayer& replayer);
 
-/// Writes out/MODE/STEM.png for every instant, whole files only. The same input gives the same bytes. Throws
+/// Writes out/MODE/STEM.png for every instant, or out/MODE/at-SECONDSs.png for --at, whole files only. The same input gives the same bytes. Throws
 /// Interrupted on Ctrl-C.
 [[nodiscard]] ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& options);
 

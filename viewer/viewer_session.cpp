@@ -363,10 +363,10 @@ class ViewerSession {
     ReplayOptions replay = options_.replay;
     replay.extraction = control_.settings().extraction;
     replay.delay = control_.settings().link.delay;
-    const CommandLine command = headless_command(replay, control_.settings().choice, index.value_or(0));
-    window_->copy_to_clipboard(command.text);
-    spdlog::info("{}", command.text);
-    say("copied: " + command.text + (command.left_out.empty() ? "" : "  (without " + command.left_out + ")"));
+    const std::string command = headless_command(replay, control_.settings().choice, index.value_or(0));
+    window_->copy_to_clipboard(command);
+    spdlog::info("{}", command);
+    say("copied: " + command);
   }
 
   // Saving.

@@ -189,6 +189,27 @@ TEST(Replay, HeadlessFromToAndHistory) {
   EXPECT_EQ(files_under(out / "predicted").size(), 5U);  // #6 to #10
 }
 
+TEST(Replay, HeadlessAtOneMomentFromAnywhere) {
+  const TemporaryDirectory out;
+  const auto frame = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--at", "0.4"});
+    const Finished run = headless(out.path(), std::move(more));
+    EXPECT_EQ(run.status, 0) << run.err;
+    return cv::imread((out / "predicted" / "at-0.400s.png").string());
+  };
+  const cv::Mat plain = frame({});
+  ASSERT_FALSE(plain.empty());
+  EXPECT_GT(cv::PSNR(plain, WallRecording::truth(10)), 24);
+  // From where picture 10 was taken; from elsewhere; with another angle.
+  EXPECT_LT(cv::norm(frame({"--camera-mode", "free", "--camera-pose=-0.1 0.1 0 0 0 0 1"}), plain, cv::NORM_INF), 4);
+  EXPECT_GT(cv::norm(frame({"--camera-mode", "free", "--camera-pose=-0.3 0.1 0 0 0 0 1"}), plain, cv::NORM_INF), 40);
+  EXPECT_GT(cv::norm(frame({"--fov", "20"}), plain, cv::NORM_INF), 40);
+  EXPECT_GT(cv::norm(frame({"--camera-mode", "overview", "--cone"}), plain, cv::NORM_INF), 40);
+  EXPECT_EQ(files_under(out.path()).size(), 1U);
+  expect_one_line_error(headless(out.path(), {"--at", "99"}), 2, "--at");
+  expect_one_line_error(run_foreview({"replay", wall_recording().string(), "--at", "0.4"}), 2, "--at");
+}
+
 TEST(Replay, TexturesAreKeptBetweenRuns) {
   const TemporaryDirectory out;
   const std::string textures = (out / "textures").string();
