@@ -12,6 +12,7 @@
 
 #include "foreview/gpu/offscreen_context.h"
 #include "foreview/viewer/frame_composer.h"
+#include "foreview/viewer/polygon_probe.h"
 #include "foreview/viewer/replay_frames.h"
 #include "foreview/viewer/replayer.h"
 
@@ -78,6 +79,21 @@ void measure(const std::string& recording, int frames, const std::string& only) 
     std::sort(ms.begin(), ms.end());
     std::printf("%-16s %9.2f %9.2f %9.2f\n", name.c_str(), ms.front(), ms[ms.size() / 2], ms.back());
   }
+  // What asking for the polygon under the cursor holds the display's thread up, before a frame of its own is drawn.
+  PolygonProbe probe(replayer.view(), replayer.recording().cameras()[replayer.camera()].model, 0.02);
+  std::vector<double> ms;
+  const ViewChoice choice;
+  const FrameInput& input = inputs.at(t, choice);
+  const FrameComposer::Size size = composer.native_size(ViewMode::predicted);
+  for (int i = 0; i < frames; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    probe.update(input, choice, size, glm::dvec2(300 + i, 250));
+    ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    composer.compose(input, choice, size);
+    glFinish();
+  }
+  std::sort(ms.begin(), ms.end());
+  std::printf("%-16s %9.2f %9.2f %9.2f\n", "probe, call only", ms.front(), ms[ms.size() / 2], ms.back());
 }
 
 }  // namespace
