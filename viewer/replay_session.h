@@ -35,8 +35,8 @@ struct ReplayInstant {
 };
 [[nodiscard]] std::vector<ReplayInstant> replay_instants(Replayer& replayer);
 
-/// Writes out/MODE/STEM.png for every instant, or out/MODE/at-SECONDSs.png for --at, whole files only. The same input gives the same bytes. Throws
-/// Interrupted on Ctrl-C.
+/// Writes out/MODE/STEM.png for every instant, or out/MODE/at-SECONDSs.png for --at, whole files only. The same input
+/// gives the same bytes. Throws Interrupted on Ctrl-C.
 [[nodiscard]] ReplaySummary replay_headless(Replayer& replayer, const ReplaySessionOptions& options);
 
 }  // namespace foreview
