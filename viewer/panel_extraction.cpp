@@ -33,12 +33,8 @@ void show_extraction_panel(const PanelInput& input) {
   constexpr std::array kArtefacts{ArtefactSuppression::none, ArtefactSuppression::diamond,
                                   ArtefactSuppression::alternating, ArtefactSuppression::progressive};
   constexpr std::array kFillings{HoleFilling::pyramid, HoleFilling::iterative, HoleFilling::none};
-  combo("Pipeline", "##pipeline", settings.pipeline, std::array{PipelineKind::batched, PipelineKind::per_polygon}, 2,
-        input.em, "batched: all polygons at once; per-polygon: the method of 2005, for comparison");
-  if (settings.pipeline == PipelineKind::batched) {
-    if (options.artefacts != ArtefactSuppression::none) options.artefacts = ArtefactSuppression::diamond;
-    options.fill = HoleFilling::pyramid;
-  }
+  // Not to be changed here: the textures' atlas is laid out for one of the two. --pipeline chooses.
+  widgets::fact("Pipeline", to_string(settings.pipeline));
   combo("Artefacts", "##artefacts", options.artefacts, kArtefacts, batched ? 2 : 4, input.em,
         "How colours along occluders' contours are kept off what is behind them");
   widgets::label("Passes", input.em);
