@@ -7,14 +7,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <future>
+#include <iterator>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "foreview/gpu/gl_objects.h"
 #include "foreview/scene/errors.h"
 #include "foreview/server/recording_player.h"
 #include "foreview/viewer/command_line.h"
 #include "foreview/viewer/display_errors.h"
+#include "foreview/viewer/frame_quality.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/viewer_stage.h"
@@ -28,6 +31,8 @@ constexpr Duration kTitleInterval{200'000'000};
 constexpr Duration kSettled{700'000'000};  // nothing was extracted for so long: nothing more will come
 constexpr Duration kMemoryInterval{1'000'000'000};
 constexpr std::size_t kMostContextsLost = 3;
+constexpr std::int64_t kFramesToWarmUp = 2;
+constexpr std::ptrdiff_t kFramesToMeasure = 5;
 
 bool is_software(const std::string& renderer) {
   return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
@@ -162,7 +167,9 @@ class ViewerSession {
     window_->set_swap_interval(waits ? 1 : 0);
     DisplayLoop::Options loop_options;
     loop_options.period = Duration::from_seconds(1 / wanted_rate());
-    loop_options.present_waits = waits;
+    loop_options.present_waits = present_waits_ = waits;
+    drawing_.clear();
+    if (fast_) stage_->set_display_quality(ViewQuality::fast);
     DisplayLoop::Callbacks callbacks;
     callbacks.poll = [this] { return poll(); };
     callbacks.draw = [this](const FrameMoment& moment) { draw(moment); };
@@ -299,6 +306,22 @@ class ViewerSession {
       if (status_.last_frames.size() > ViewerStatus::kFrames) status_.last_frames.pop_front();
     }
     last_completed_ = record.completed;
+    if (!present_waits_) fit_quality(record);
+  }
+
+  /// Full frames for as long as they leave extraction its time; the first ones, for which shaders are made, do not
+  /// count. Once fast, always fast: a view that changes its looks again and again would be worse.
+  void fit_quality(const FrameRecord& record) {
+    if (fast_ || record.number < kFramesToWarmUp) return;
+    drawing_.push_back(record.completed - record.started);
+    if (std::ssize(drawing_) < kFramesToMeasure) return;
+    std::ranges::nth_element(drawing_, drawing_.begin() + kFramesToMeasure / 2);
+    const Duration drawing = *(drawing_.begin() + kFramesToMeasure / 2);
+    drawing_.clear();
+    fast_ = quality_that_fits(drawing, loop_->statistics().period) == ViewQuality::fast;
+    if (!fast_) return;
+    stage_->set_display_quality(ViewQuality::fast);
+    spdlog::info("the view is drawn in fast quality: a frame takes {:.0f} ms in full", drawing.seconds() * 1e3);
   }
 
   void update_status(const FrameMoment& moment, Timestamp t) {
@@ -429,6 +452,8 @@ class ViewerSession {
 
   std::optional<std::int64_t> lose_context_at_ = frame_to_lose_context_at();
   bool window_sized_ = false, first_ = true, drawn_ = false;
+  bool present_waits_ = false, fast_ = false;
+  std::vector<Duration> drawing_;  ///< of the last frames, in full quality
   long objects_at_first_ = 0;
   std::uint64_t generation_ = ~std::uint64_t{0};
   Timestamp since_;  ///< display time since which pictures have been waited for

@@ -121,7 +121,9 @@ void ViewerStage::draw(const FrameMoment& moment, Timestamp t, Timestamp since, 
   // After the panels, whose sliders it shows at once; mode and size are as the panels left them.
   frame_size_ = composer_->fitting_size(choice.mode, view_area_.width, view_area_.height);
   shown_ = &frames_.at(t, since, moment, choice, camera_);
-  composer_->compose(*shown_, choice, frame_size_);
+  ViewChoice drawn = choice;
+  if (display_quality_ == ViewQuality::fast) drawn.quality = ViewQuality::fast;
+  composer_->compose(*shown_, drawn, frame_size_);
   control_.settings().choice.polygon.reset();
   if (control_.settings().probe) {
     probe_->update(*shown_, choice, frame_size_, cursor_);

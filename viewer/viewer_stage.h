@@ -38,6 +38,8 @@ class ViewerStage {
 
   /// The last frame again, in the camera's own size, read back: CV_8UC3 BGR; empty before the first frame.
   [[nodiscard]] cv::Mat take_picture();
+  /// How well the view is drawn from now on, if not better than was asked for; take_picture() does not follow it.
+  void set_display_quality(ViewQuality quality) { display_quality_ = quality; }
   /// Other extraction options from the next picture on. Nothing may be being extracted.
   void set_extraction(const ExtractionOptions& options);
 
@@ -62,6 +64,7 @@ class ViewerStage {
   Window::Area view_area_;  ///< pixels
   FrameComposer::Size frame_size_;
   FrameInput* shown_ = nullptr;
+  ViewQuality display_quality_ = ViewQuality::full;
   std::optional<Timestamp> advanced_to_;  ///< steady clock
   Pose camera_;
 };
