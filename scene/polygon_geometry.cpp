@@ -89,6 +89,16 @@ bool is_convex(std::span<const glm::dvec2> corners, double tolerance) {
   return true;
 }
 
+bool is_inside_convex(std::span<const glm::dvec2> corners, const glm::dvec2& point) {
+  bool left = false, right = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const double side = cross(corners[i], corners[(i + 1) % corners.size()], point);
+    left = left || side > 0;
+    right = right || side < 0;
+  }
+  return !(left && right);
+}
+
 EdgeBox smallest_box(std::span<const glm::dvec2> corners) {
   EdgeBox best;
   double best_area = std::numeric_limits<double>::infinity();

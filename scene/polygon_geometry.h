@@ -31,6 +31,8 @@ void project(std::span<const glm::dvec3> corners, const glm::dvec3& normal, std:
 /// True for a counter-clockwise outline that goes round once and nowhere lies further than `tolerance` inside its
 /// convex hull: a corner that rounding put a hair off a straight edge does not make a polygon concave.
 [[nodiscard]] bool is_convex(std::span<const glm::dvec2> corners, double tolerance);
+/// Whether a point lies in a convex outline or on it, whichever way round it goes.
+[[nodiscard]] bool is_inside_convex(std::span<const glm::dvec2> corners, const glm::dvec2& point);
 
 /// The smallest-area box with one side along one of the outline's edges. Angles are tried as spec 6 says, first wins
 /// ties. `edge` is the edge's first corner; sides along (x, y) with y along the edge, x to its right.

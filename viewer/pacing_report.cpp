@@ -1,19 +1,13 @@
 #include "foreview/viewer/pacing_report.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "foreview/viewer/formatted.h"
 
 namespace foreview {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 const PacingRun* find(const PacingReport& report, bool frames, bool pictures) {
   for (const PacingRun& run : report.runs) {

@@ -1,22 +1,14 @@
 #include <imgui.h>
 
-#include <cstdio>
-
+#include "foreview/viewer/formatted.h"
 #include "foreview/viewer/interface_widgets.h"
 #include "foreview/viewer/panels.h"
 
 namespace foreview {
 namespace {
 
-template <class... Arguments>
-std::string format(const char* pattern, Arguments... arguments) {
-  char text[120];
-  std::snprintf(text, sizeof text, pattern, arguments...);
-  return text;
-}
-
 void show_display(const ViewerStatus& status, float em) {
-  widgets::fact("Display", format("%.1f of %.0f Hz", status.rate_reached, status.rate_wanted));
+  widgets::fact("Display", formatted("%.1f of %.0f Hz", status.rate_reached, status.rate_wanted));
   widgets::frame_plot(status.last_frames, status.rate_wanted > 0 ? 1e3 / status.rate_wanted : 0, em);
   const std::string frames = count_text(status.frames);
   const std::string late = count_text(status.frames_late);
@@ -34,7 +26,7 @@ void show_extraction(const ViewerStatus& status, float em) {
   widgets::fact("Extraction",
                 status.last_pictures.empty()
                     ? std::string("no picture yet")
-                    : format("%.0f ms, %.1f pictures/s", static_cast<double>(total()), status.pictures_per_second));
+                    : formatted("%.0f ms, %.1f pictures/s", static_cast<double>(total()), status.pictures_per_second));
   widgets::extraction_plot(status.last_pictures, em);
   ImGui::Spacing();
 }

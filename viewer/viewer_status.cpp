@@ -3,46 +3,37 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
+#include "foreview/viewer/formatted.h"
+
 namespace foreview {
-namespace {
-
-template <class... Arguments>
-std::string format(const char* pattern, Arguments... arguments) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, arguments...);
-  return text;
-}
-
-}  // namespace
 
 std::string time_text(Duration time) {
   const double seconds = std::abs(time.seconds());
   const char* sign = time.nanoseconds < 0 ? "-" : "";
-  if (seconds < 60) return format("%s%.2f s", sign, seconds);
+  if (seconds < 60) return formatted("%s%.2f s", sign, seconds);
   // Of whole hundredths, so that 59.999 does not become 60.00.
   const auto hundredths = static_cast<long long>(std::llround(seconds * 100));
-  return format("%s%lld:%05.2f", sign, hundredths / 6000, static_cast<double>(hundredths % 6000) / 100);
+  return formatted("%s%lld:%05.2f", sign, hundredths / 6000, static_cast<double>(hundredths % 6000) / 100);
 }
 
 std::string age_text(Duration age) {
   const double seconds = age.seconds();
-  if (seconds < 0.9995) return format("%.0f ms", seconds * 1e3);
-  if (seconds < 9.995) return format("%.2f s", seconds);
-  return format("%.0f s", seconds);
+  if (seconds < 0.9995) return formatted("%.0f ms", seconds * 1e3);
+  if (seconds < 9.995) return formatted("%.2f s", seconds);
+  return formatted("%.0f s", seconds);
 }
 
 std::string bytes_text(std::size_t bytes) {
   const double mebibytes = static_cast<double>(bytes) / (1 << 20);
-  return mebibytes < 1000 ? format("%.0f MiB", mebibytes) : format("%.1f GiB", mebibytes / 1024);
+  return mebibytes < 1000 ? formatted("%.0f MiB", mebibytes) : formatted("%.1f GiB", mebibytes / 1024);
 }
 
 std::string bandwidth_text(double bits_per_second) {
   if (bits_per_second <= 0) return "no limit";
-  if (bits_per_second < 999'500) return format("%.0f kbit/s", bits_per_second / 1e3);
-  return format(bits_per_second < 9.95e6 ? "%.1f Mbit/s" : "%.0f Mbit/s", bits_per_second / 1e6);
+  if (bits_per_second < 999'500) return formatted("%.0f kbit/s", bits_per_second / 1e3);
+  return formatted(bits_per_second < 9.95e6 ? "%.1f Mbit/s" : "%.0f Mbit/s", bits_per_second / 1e6);
 }
 
 std::string count_text(std::size_t count) {
@@ -53,8 +44,8 @@ std::string count_text(std::size_t count) {
 
 std::string viewer_title(const TitleInput& input) {
   std::string title = "foreview: " + input.name +
-                      format(" | %s | %.2f s | delay %.0f ms | %.0f fps", to_string(input.mode),
-                             input.since_first.seconds(), input.delay.seconds() * 1e3, input.rate);
+                      formatted(" | %s | %.2f s | delay %.0f ms | %.0f fps", to_string(input.mode),
+                                input.since_first.seconds(), input.delay.seconds() * 1e3, input.rate);
   if (input.at_end) {
     title += " | end";
   } else if (input.paused) {

@@ -5,6 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "foreview/scene/polygon_geometry.h"
+
 namespace foreview::batched {
 namespace {
 
@@ -30,18 +32,6 @@ std::vector<glm::ivec2> texels_from_the_middle() {
   };
   std::ranges::stable_sort(texels, {}, distance);
   return texels;
-}
-
-/// Whether a point lies in a convex shape, whichever way round it goes.
-bool is_inside(const std::vector<glm::dvec2>& shape, const glm::dvec2& p) {
-  bool left = false, right = false;
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    const glm::dvec2 along = shape[(i + 1) % shape.size()] - shape[i], to = p - shape[i];
-    const double side = along.x * to.y - along.y * to.x;
-    left = left || side > 0;
-    right = right || side < 0;
-  }
-  return !(left && right);
 }
 
 class Samples {
@@ -89,7 +79,7 @@ class Samples {
         const std::size_t at = slot(chart.page, {x, y});
         for (std::uint32_t rank = 0; rank < order_.size() && rank < ranks_[at]; ++rank) {
           const glm::dvec2 texel = glm::dvec2(glm::ivec2(x, y) * kBlock + order_[rank]) + 0.5;
-          if (!is_inside(corners, texel)) continue;
+          if (!is_inside_convex(corners, texel)) continue;
           ranks_[at] = rank;
           samples_[at] = sample(polygon, texel);
         }

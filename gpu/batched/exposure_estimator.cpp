@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "foreview/gpu/draw_tally.h"
+#include "foreview/scene/polygon_geometry.h"
 
 namespace foreview::batched {
 namespace {
@@ -26,18 +27,6 @@ struct SampleOnGpu {
   glm::vec3 along_y{0};
   std::uint32_t unused = 0;
 };
-
-/// Whether a point lies in a convex shape, whichever way round it goes.
-bool is_inside(const std::vector<glm::dvec2>& shape, const glm::dvec2& p) {
-  bool left = false, right = false;
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    const glm::dvec2 along = shape[(i + 1) % shape.size()] - shape[i], to = p - shape[i];
-    const double side = along.x * to.y - along.y * to.x;
-    left = left || side > 0;
-    right = right || side < 0;
-  }
-  return !(left && right);
-}
 
 /// For each block of 16 x 16 texels, the texel of level kLevel near its middle that has a polygon under its centre,
 /// best one that has the same under all of it.
@@ -60,7 +49,7 @@ std::vector<SampleOnGpu> choose_samples(const PolygonModel& model, const ChartLa
     for (int y = begin.y; y < end.y; ++y) {
       for (int x = begin.x; x < end.x; ++x) {
         const glm::dvec2 centre = (glm::dvec2(x, y) + 0.5) * static_cast<double>(kTexel);
-        if (!is_inside(corners, centre)) continue;
+        if (!is_inside_convex(corners, centre)) continue;
         const glm::ivec2 in_chart = glm::ivec2(x, y) * kTexel - chart.origin;
         const glm::ivec2 cell = in_chart / kPatchTexels, block = in_chart % kPatchTexels / kBlock;
         const int columns = patch_grid(chart.size).x;
@@ -71,7 +60,7 @@ std::vector<SampleOnGpu> choose_samples(const PolygonModel& model, const ChartLa
         const glm::dvec2 middle = glm::dvec2(in_chart % kBlock) + 0.5 * kTexel - 0.5 * kBlock;
         double cost = glm::dot(middle, middle);
         for (const glm::dvec2 corner : {glm::dvec2(-0.5, -0.5), {0.5, -0.5}, {-0.5, 0.5}, {0.5, 0.5}}) {
-          if (!is_inside(corners, centre + corner * static_cast<double>(kTexel))) cost += 1000;
+          if (!is_inside_convex(corners, centre + corner * static_cast<double>(kTexel))) cost += 1000;
         }
         if (cost >= costs[slot]) continue;
         costs[slot] = cost;
