@@ -234,10 +234,13 @@ struct DisplayLoop::State {
     completions.push_back(frame.completed);
     while (completions.front() < frame.completed - kSecond) completions.pop_front();
     if (callbacks.frame_completed) callbacks.frame_completed(frame);
+    const Timestamp shown_at = source->time_at(frame.completed);
+    // The source's time may have leapt since the frame was begun: the picture is void then, and ages mean nothing.
+    if (source->generation() != generation) return;
     while (!displayable.empty() && displayable.front().record.picture <= frame.picture) {
       PictureRecord& picture = displayable.front().record;
       picture.displayed = frame.completed;
-      picture.age_when_displayed = source->time_at(frame.completed) - picture.captured;
+      picture.age_when_displayed = shown_at - picture.captured;
       for (PictureRecord& kept : last_pictures) {
         if (kept.picture == picture.picture) kept = picture;
       }
