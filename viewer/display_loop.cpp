@@ -50,6 +50,8 @@ struct DisplayLoop::State {
     result.period = options.period;
     result.frame = options.frame;
     result.margin = options.margin;
+    // A frame disturbed by something else on the machine leaves no room for a slice; that is not overload yet.
+    result.patience = 2;
     // A slice that takes longer than reckoned delays a frame by its excess; one that is reckoned too long costs a whole
     // frame where it does not fit in any more. So more outliers are ignored than of frames.
     result.slice_cost = LearntCost::Options{.ignored = 3};

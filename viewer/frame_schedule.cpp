@@ -39,6 +39,7 @@ FrameSchedule::FrameSchedule(Options options, Timestamp start)
       latest_(start),
       expected_(start) {
   assert(options_.period > Duration{} && options_.frame > Duration{} && options_.margin >= Duration{});
+  assert(options_.patience >= 1);
   update_submultiple();
   aim_on_grid(start, start);
 }
@@ -163,7 +164,7 @@ FrameSchedule::Decision FrameSchedule::next(Timestamp now, const std::optional<S
     if (done <= std::max(frame_start(), grant_end_)) {
       return {Action::run_slice, done, false};
     }
-    if (work_waited_ && !skipped_ && extraction_ < options_.t_diff) {
+    if (is_starving() && starved_gaps_ + 1 >= options_.patience) {
       pass_over_to(aim_);
       ++statistics_.skipped;
       skipped_ = true;
@@ -199,6 +200,7 @@ std::int64_t FrameSchedule::frame_started(Timestamp now) {
   started_ = now;
   reckoned_ = frame_cost();
   expected_ = now + reckoned_;
+  starved_gaps_ = is_starving() ? starved_gaps_ + 1 : 0;
   pass_over_to(aim_);
   const std::int64_t number = statistics_.frames++;
   if (shown_.size() == kShownAtOnce) {

@@ -50,6 +50,8 @@ namespace foreview {
 /// next frame's start. One frame only: no second one is skipped before one was drawn. So between any two frames with
 /// work waiting throughout, at least one slice runs, at any load. Waiting out the time that is too short for the slice
 /// would help nobody: the frame is skipped as soon as that is known.
+/// With `patience` above 1, so many gaps between frames in a row must be like that: a frame that was late once, for
+/// whatever reason, then costs extraction a gap and not the display a second frame.
 ///
 /// What else can happen:
 /// - *A slice exceeds its bound*: the frame is drawn at once, and is late by no more than the excess less the margin.
@@ -90,6 +92,7 @@ class FrameSchedule {
     Duration margin{500'000};       ///< between a frame's expected completion and its deadline: waking up, measuring
     Duration t_diff{100'000};       ///< spec 10
     Duration t_min{10'000'000};     ///< spec 10
+    int patience = 1;               ///< gaps between frames with less than t_diff, the last of which costs a frame
     LearntCost::Options cost = {};  ///< of frames, and of slices where nothing else is said
     std::optional<LearntCost::Options> slice_cost = {};
   };
@@ -166,6 +169,8 @@ class FrameSchedule {
   };
 
   [[nodiscard]] Duration reserve() const;  ///< a frame's cost and the margin
+  /// Since the last frame there was work throughout, and less than t_diff for it.
+  [[nodiscard]] bool is_starving() const { return work_waited_ && !skipped_ && extraction_ < options_.t_diff; }
   [[nodiscard]] Duration tolerance() const { return {options_.period.nanoseconds / 4}; }
   [[nodiscard]] Duration bound(const Slice& slice) const;  ///< declared
   [[nodiscard]] double size_within(std::size_t kind, Duration duration, double per_declared) const;
@@ -190,6 +195,7 @@ class FrameSchedule {
   bool work_waited_ = false;  ///< there was something to extract whenever next() was asked
   bool skipped_ = false;
   Duration extraction_;
+  int starved_gaps_ = 0;  ///< before that, in a row: gaps with work throughout and less than t_diff for it
 
   Timestamp grant_end_;  ///< of extraction's t_min after the last skip
 

@@ -143,8 +143,9 @@ Json run_json(const PacingRun& run) {
 }  // namespace
 
 std::string pacing_text(const PacingReport& report) {
-  std::string text = formatted("frames of %d x %d, quality %s, on %s\n", report.width, report.height,
-                               report.quality.c_str(), report.renderer.c_str());
+  std::string text =
+      formatted("frames of %d x %d, quality %s%s, on %s\n", report.width, report.height, report.quality.c_str(),
+                report.realtime ? ", in real time" : "", report.renderer.c_str());
   for (const PacingRun& run : report.runs) text += run_text(run);
   const PacingRun* both = find(report, true, true);
   const PacingRun* display = find(report, true, false);
@@ -163,10 +164,9 @@ std::string pacing_text(const PacingReport& report) {
 std::string pacing_json(const PacingReport& report) {
   Json runs = Json::array();
   for (const PacingRun& run : report.runs) runs.push_back(run_json(run));
-  Json json{{"format", "foreview-pacing"},   {"version", kPacingJsonVersion},
-            {"recording", report.recording}, {"renderer", report.renderer},
-            {"width", report.width},         {"height", report.height},
-            {"quality", report.quality},     {"delay_seconds", report.delay_seconds},
+  Json json{{"format", "foreview-pacing"}, {"version", kPacingJsonVersion}, {"recording", report.recording},
+            {"renderer", report.renderer}, {"width", report.width},         {"height", report.height},
+            {"quality", report.quality},   {"realtime", report.realtime},   {"delay_seconds", report.delay_seconds},
             {"runs", std::move(runs)}};
   const PacingRun* both = find(report, true, true);
   const PacingRun* display = find(report, true, false);

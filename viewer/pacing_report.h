@@ -11,6 +11,7 @@ struct PacingReport {
   int width = 0, height = 0;  ///< of the frames, pixels
   double delay_seconds = 0;
   std::string quality;          ///< of the frames: full, fast
+  bool realtime = false;        ///< ran ahead of ordinary programs
   std::vector<PacingRun> runs;  ///< with frames and extraction last
 };
 

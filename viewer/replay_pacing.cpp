@@ -19,6 +19,7 @@
 #include "foreview/viewer/pacing_report.h"
 #include "foreview/viewer/predicted_view.h"
 #include "foreview/viewer/preloaded_source.h"
+#include "foreview/viewer/realtime.h"
 #include "foreview/viewer/render_target.h"
 #include "foreview/viewer/replay_input.h"
 
@@ -51,6 +52,7 @@ class PacedReplay {
  public:
   PacedReplay(const ReplayOptions& replay, const ReplayPacingOptions& options)
       : debug_(gl_debug_from_environment()),
+        realtime_(options.realtime && begin_realtime()),
         display_(OffscreenContext::Options{.debug = debug_ != GlDebug::off}),
         options_(options),
         input_((install(), replay)),
@@ -69,6 +71,7 @@ class PacedReplay {
     report_.width = options.width;
     report_.height = options.height;
     report_.delay_seconds = replay.delay.seconds();
+    report_.realtime = realtime_;
     report_.quality = to_string(choose_quality());
   }
 
@@ -89,6 +92,13 @@ class PacedReplay {
   [[nodiscard]] const PacingReport& report() const { return report_; }
 
  private:
+  static bool begin_realtime() {
+    const std::optional<std::string> refusal = enter_realtime();
+    if (refusal) {
+      spdlog::warn("--realtime: {}; goes on without. It takes CAP_SYS_NICE, or `ulimit -r` of at least 1", *refusal);
+    }
+    return !refusal;
+  }
   void install() const {
     if (debug_ != GlDebug::off) install_debug_callback(debug_ == GlDebug::fatal);
   }
@@ -109,6 +119,7 @@ class PacedReplay {
     return quality_;
   }
   void begin_source() {
+    const OrdinaryPriority for_decoding;
     source_.reset();
     if (options_.back_to_back) {
       source_ =
@@ -133,6 +144,7 @@ class PacedReplay {
   }
 
   const GlDebug debug_;
+  const bool realtime_;
   OffscreenContext display_;
   const ReplayPacingOptions& options_;
   ReplayInput input_;
@@ -184,6 +196,8 @@ void add_pacing_options(CLI::App& command, ReplayPacingOptions& options) {
   command.add_flag("--reference", options.reference,
                    "With --rate: before, as long each, extraction without frames and frames without extraction, to "
                    "compare with");
+  command.add_flag("--realtime", options.realtime,
+                   "With --rate: draw and extract ahead of ordinary programs (SCHED_RR), where the system allows it");
   command.add_flag("--back-to-back", options.back_to_back,
                    "With --rate: extract the next picture whenever one is finished, decoded beforehand; not when it "
                    "arrives");

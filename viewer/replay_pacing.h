@@ -20,11 +20,12 @@ struct ReplayPacingOptions {
   std::optional<ViewQuality> quality;  ///< none: quality_that_fits()
   bool extraction = true;
   bool reference = false;                     ///< before, as long each: extraction without frames, frames without it
+  bool realtime = false;                      ///< enter_realtime()
   bool back_to_back = false;                  ///< the next picture whenever one can be taken, not when it arrives
   std::optional<std::filesystem::path> file;  ///< where the record goes
 };
 
-/// --rate, --duration, --size, --no-extraction, --reference, --back-to-back, --pacing. `options` must live
+/// --rate, --duration, --size, --no-extraction, --reference, --back-to-back, --realtime, --pacing. `options` must live
 /// until the app has been parsed; values that cannot be are InputErrors naming the option.
 void add_pacing_options(CLI::App& command, ReplayPacingOptions& options);
 

@@ -238,11 +238,16 @@ class Simulation {
   /// Extraction never starves, at any load: with work throughout, at least t_diff or a skip, and a slice at least.
   void check_between_frames() {
     if (outcome_.frames == 0 || !work_throughout_) {
+      starved_gaps_ = 0;
       return;
     }
     ++outcome_.frames_with_work_throughout;
-    ASSERT_GE(slices_in_gap_, 1) << "extraction starved before " << now_.to_string();
-    ASSERT_TRUE(extraction_in_gap_ >= world_.options.t_diff || skips_in_gap_ == 1);
+    const bool starved = extraction_in_gap_ < world_.options.t_diff && skips_in_gap_ == 0;
+    starved_gaps_ = starved ? starved_gaps_ + 1 : 0;
+    ASSERT_LT(starved_gaps_, world_.options.patience) << "extraction starved before " << now_.to_string();
+    if (!starved) {
+      ASSERT_GE(slices_in_gap_, 1);
+    }
   }
 
   void check_missed() {
@@ -292,6 +297,7 @@ class Simulation {
   Timestamp last_deadline_ = at(0);
   const Timestamp first_deadline_ = schedule_.deadline();
   std::int64_t overruns_ = 0, frame_overruns_ = 0;
+  int starved_gaps_ = 0;  // in a row
 };
 
 constexpr std::uint64_t kSeeds = 300;
@@ -317,6 +323,7 @@ World world_within_bounds(std::uint64_t seed) {
                                                                                            : ms(3))});
   }
   world.options.margin = random.between(us(0), us(1000));
+  world.options.patience = seed % 3 == 0 ? static_cast<int>(random.between(2, 5)) : 1;
   world.slice_least = random.between(0.1, 0.9);
   world.between_pictures = random.chance(0.3) ? Duration{} : random.between(ms(2), ms(150));
   world.greatest_slice_count = static_cast<int>(random.between(1, 40));

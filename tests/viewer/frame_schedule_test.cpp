@@ -30,12 +30,12 @@ struct Desk {
       : schedule(options, start), now(start) {}
 
   FrameSchedule::Decision ask(const std::optional<Slice>& slice = std::nullopt) { return schedule.next(now, slice); }
-  /// Waits for the next frame's start, draws it and returns its deadline.
-  Timestamp draw(Duration cost) {
-    auto decision = ask();
+  /// Waits for the next frame's start, draws it and returns its deadline. `waiting`: a slice that does not fit in.
+  Timestamp draw(Duration cost, const std::optional<Slice>& waiting = std::nullopt) {
+    auto decision = ask(waiting);
     if (decision.action == Action::wait_until) {
       now = decision.until;
-      decision = ask();
+      decision = ask(waiting);
     }
     EXPECT_EQ(decision.action, Action::draw_frame);
     const auto frame = schedule.frame_started(now);
@@ -154,6 +154,53 @@ INSTANTIATE_TEST_SUITE_P(
                     OverloadCase{"WorkCameAfterTheFrame", 3, true, {}, false, Action::wait_until, false},
                     OverloadCase{"FrameSkippedBefore", 3, false, {}, true, Action::wait_until, false}),
     [](const auto& c) { return std::string(c.param.name); });
+
+struct PatienceCase {
+  int patience;
+  std::int64_t skipped;
+};
+class FrameSchedulePatience : public testing::TestWithParam<PatienceCase> {};
+
+TEST_P(FrameSchedulePatience, DecidesWhetherADisturbedFrameCostsAnother) {
+  auto options = desk_options();
+  options.patience = GetParam().patience;
+  options.frame = ms(12);
+  options.cost.ignored = 1;
+  Desk desk(options);
+  const Slice slice{0, 4};
+  const auto extract_until_drawn = [&](Duration cost) {
+    while (desk.ask(slice).action == Action::run_slice) desk.slice(slice, ms(4));
+    desk.draw(cost, slice);
+  };
+  for (int i = 0; i < 20; ++i) extract_until_drawn(ms(12));
+  extract_until_drawn(ms(17));  // until 4.5 ms after its deadline; the next is to start 3 ms later
+  for (int i = 0; i < 20; ++i) extract_until_drawn(ms(12));
+  EXPECT_EQ(desk.schedule.statistics().skipped, GetParam().skipped);
+  EXPECT_GE(desk.schedule.statistics().slices, 40);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, FrameSchedulePatience, testing::Values(PatienceCase{1, 1}, PatienceCase{2, 0}));
+
+TEST(FrameSchedule, WithPatienceOverloadSkipsAFrameAfterSoManyGaps) {
+  auto options = desk_options();
+  options.patience = 3;
+  options.frame = ms(18);
+  Desk desk(options);
+  const Slice slice{0, 4};
+  desk.draw(ms(18));
+  for (int round = 0; round < 3; ++round) {
+    for (int gap = 0; gap < 2; ++gap) {
+      ASSERT_EQ(desk.ask(slice).action, Action::wait_until);
+      desk.draw(ms(18), slice);
+    }
+    const auto decision = desk.ask(slice);
+    ASSERT_EQ(decision.action, Action::run_slice);
+    ASSERT_TRUE(decision.skipped_frame);
+    desk.slice(slice, ms(4));
+    desk.draw(ms(18));
+  }
+  EXPECT_EQ(desk.schedule.statistics().skipped, 3);
+}
 
 TEST(FrameSchedule, ASkipGivesExtractionTheTimeUntilTheFrameAfter) {
   auto options = desk_options();

@@ -52,6 +52,17 @@ class ReplayPacing : public ::testing::Test {
   const fs::path recording_ = directory_.path() / "wall", file_ = directory_.path() / "pacing.json";
 };
 
+TEST_F(ReplayPacing, RunsInRealTimeWhereAskedAndAllowed) {
+  const test::Finished finished =
+      test::run_foreview({"replay", recording_.string(), "--headless", "--rate", "40", "--duration", "1s", "--size",
+                          "160x120", "--realtime", "--pacing", file_.string()});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const bool is_realtime = read()["realtime"];
+  EXPECT_EQ(finished.err.find("--realtime: ") == std::string::npos, is_realtime)
+      << "a warning where it is refused: " << finished.err;
+  EXPECT_EQ(finished.out.find("in real time") != std::string::npos, is_realtime) << finished.out;
+}
+
 TEST_F(ReplayPacing, RecordsEveryFrameAndPicture) {
   const test::Finished finished =
       test::run_foreview({"replay", recording_.string(), "--headless", "--rate", "40", "--duration", "3s", "--delay",
