@@ -92,11 +92,12 @@ bool is_convex(std::span<const glm::dvec2> corners, double tolerance) {
 bool is_inside_convex(std::span<const glm::dvec2> corners, const glm::dvec2& point) {
   bool left = false, right = false;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const double side = cross(corners[i], corners[(i + 1) % corners.size()], point);
+    const double side = cross(corners[i], corners[i + 1 < corners.size() ? i + 1 : 0], point);
     left = left || side > 0;
     right = right || side < 0;
+    if (left && right) return false;
   }
-  return !(left && right);
+  return true;
 }
 
 EdgeBox smallest_box(std::span<const glm::dvec2> corners) {

@@ -35,8 +35,13 @@ GlyphAtlas::GlyphAtlas() {
   }
   constexpr int kLevels = 4;  // a level more would mix cells: 48 is three times 16
   texture_ = make_texture_2d(GL_R8, atlas.cols, atlas.rows, kLevels);
-  glTextureSubImage2D(texture_.id(), 0, 0, 0, atlas.cols, atlas.rows, GL_RED, GL_UNSIGNED_BYTE, atlas.data);
-  glGenerateTextureMipmap(texture_.id());
+  // Not by glGenerateTextureMipmap(): the first use of it makes shaders, which takes longer than all of this.
+  for (int level = 0; level < kLevels; ++level) {
+    glTextureSubImage2D(texture_.id(), level, 0, 0, atlas.cols, atlas.rows, GL_RED, GL_UNSIGNED_BYTE, atlas.data);
+    cv::Mat half;
+    cv::resize(atlas, half, {}, 0.5, 0.5, cv::INTER_AREA);
+    atlas = half;
+  }
 }
 
 const GlyphAtlas::Glyph& GlyphAtlas::glyph(char character) const {
