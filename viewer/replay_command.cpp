@@ -13,6 +13,7 @@
 #include "foreview/viewer/commands.h"
 #include "foreview/viewer/gl_debug.h"
 #include "foreview/viewer/interrupt.h"
+#include "foreview/viewer/link_options_cli.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/progress.h"
 #include "foreview/viewer/replay_options_cli.h"
@@ -28,6 +29,7 @@ namespace {
 struct ReplayCommand {
   ReplayPacingOptions pacing;
   ReplayOptions replay;
+  LinkOptions link;
   ReplaySessionOptions session;
   bool headless = false;
   std::optional<std::filesystem::path> json;
@@ -52,6 +54,13 @@ void check(const ReplayCommand& command) {
     throw InputError("--at", "expected --headless with it; a window begins at --from");
   } else if (command.headless && command.session.out.empty()) {
     throw InputError("--headless", "expected --out DIR with it, for the pictures, or --rate HZ");
+  }
+  if (command.headless && !command.pacing.rate && command.link != LinkOptions()) {
+    throw InputError("--jitter, --loss, --bandwidth, --link-seed",
+                     "expected a window or --rate with them; written pictures show a constant delay");
+  }
+  if (command.pacing.back_to_back && command.link != LinkOptions()) {
+    throw InputError("--back-to-back", "is not for --jitter, --loss or --bandwidth: its pictures come over no link");
   }
 }
 
@@ -83,6 +92,7 @@ void view(const ReplayCommand& command, bool quiet) {
   ViewerOptions options;
   options.replay = command.replay;
   options.session = command.session;
+  options.link = command.link;
   options.link.delay = command.replay.delay;
   options.json = command.json;
   run_viewer(options, quiet);
@@ -94,7 +104,7 @@ void run(const ReplayCommand& given, bool quiet) {
   command.session.near_plane = command.replay.extraction.near_plane;
   check(command);
   if (command.pacing.rate) {
-    replay_pacing(command.replay, command.pacing, quiet);
+    replay_pacing(command.replay, command.link, command.pacing, quiet);
     return;
   }
   if (!command.headless) return view(command, quiet);
@@ -124,6 +134,7 @@ void add_replay_command(CLI::App& app) {
   const auto command = std::make_shared<ReplayCommand>();
   add_replay_options(*replay, command->replay);
   add_pipeline_options(*replay, command->replay);
+  add_link_options(*replay, command->link);
   ReplaySessionOptions& session = command->session;
   replay->add_option("--speed", session.speed, "Recorded seconds per second (default: 1)")->type_name("FACTOR");
   replay->add_flag("--loop", session.loop, "Begin anew at the end");

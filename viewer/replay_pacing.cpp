@@ -50,11 +50,12 @@ LiveScene::Options scene_options(const ReplayInput& input, GlDebug debug) {
 /// Contexts, scene and view, and one source for each run, so that each shows the same.
 class PacedReplay {
  public:
-  PacedReplay(const ReplayOptions& replay, const ReplayPacingOptions& options)
+  PacedReplay(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options)
       : debug_(gl_debug_from_environment()),
         realtime_(options.realtime && begin_realtime()),
         display_(OffscreenContext::Options{.debug = debug_ != GlDebug::off}),
         options_(options),
+        link_(link),
         input_((install(), replay)),
         scene_(input_.model, scene_options(input_, debug_), display_.display(), display_.context(),
                [this] { display_.make_current(); }),
@@ -128,6 +129,7 @@ class PacedReplay {
     }
     clock_ = std::make_unique<PlaybackClock>(PlaybackClock::Options{.first = first_, .last = last_, .loop = true});
     RecordingPlayer::Options player;
+    player.link = link_;
     player.link.delay = input_.options.delay;
     player.camera = input_.camera;
     source_ = std::make_unique<RecordingPlayer>(input_.recording, input_.model, *clock_, player);
@@ -147,6 +149,7 @@ class PacedReplay {
   const bool realtime_;
   OffscreenContext display_;
   const ReplayPacingOptions& options_;
+  const LinkOptions& link_;
   ReplayInput input_;
   LiveScene scene_;
   PredictedView view_;
@@ -203,9 +206,10 @@ void add_pacing_options(CLI::App& command, ReplayPacingOptions& options) {
                    "arrives");
 }
 
-void replay_pacing(const ReplayOptions& replay, const ReplayPacingOptions& options, bool quiet) {
+void replay_pacing(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options,
+                   bool quiet) {
   if (options.file) check_output_file(*options.file, "--pacing");
-  PacedReplay paced(replay, options);
+  PacedReplay paced(replay, link, options);
   if (options.reference) {
     // In this order, so that the frames shown alone wear textures.
     paced.run(false, true);

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "foreview/server/simulated_link.h"
 #include "foreview/viewer/replayer.h"
 #include "foreview/viewer/view_choice.h"
 
@@ -29,9 +30,10 @@ struct ReplayPacingOptions {
 /// until the app has been parsed; values that cannot be are InputErrors naming the option.
 void add_pacing_options(CLI::App& command, ReplayPacingOptions& options);
 
-/// Plays the recording, from its end on from its start again, over a link with the replay's delay, for so long. Makes
+/// Plays the recording, from its end on from its start again, over `link` with the replay's delay, for so long. Makes
 /// its contexts itself. Prints a summary unless `quiet`, also of what there is when the user interrupts it. InputError
 /// where something cannot be used.
-void replay_pacing(const ReplayOptions& replay, const ReplayPacingOptions& options, bool quiet);
+void replay_pacing(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options,
+                   bool quiet);
 
 }  // namespace foreview

@@ -52,6 +52,18 @@ class ReplayPacing : public ::testing::Test {
   const fs::path recording_ = directory_.path() / "wall", file_ = directory_.path() / "pacing.json";
 };
 
+TEST_F(ReplayPacing, GoesOverTheLinkThatIsAskedFor) {
+  const std::vector<std::string> options{"replay",  recording_.string(), "--headless",  "--rate",
+                                         "40",      "--duration",        "2s",          "--size",
+                                         "160x120", "--pacing",          file_.string()};
+  ASSERT_EQ(test::run_foreview(options).status, 0);
+  EXPECT_GT(read()["runs"][0]["pictures_extracted"], 0);
+  auto lossy = options;
+  lossy.insert(lossy.end(), {"--loss", "100%"});
+  ASSERT_EQ(test::run_foreview(lossy).status, 0);
+  EXPECT_EQ(read()["runs"][0]["pictures_extracted"], 0) << "all are lost";
+}
+
 TEST_F(ReplayPacing, RunsInRealTimeWhereAskedAndAllowed) {
   const test::Finished finished =
       test::run_foreview({"replay", recording_.string(), "--headless", "--rate", "40", "--duration", "1s", "--size",
@@ -143,6 +155,8 @@ TEST_F(ReplayPacing, RefusesWhatCannotBe) {
   expect_refused({"--headless", "--rate", "30", "--size", "100000x100000"}, "--size");
   expect_refused({"--headless", "--rate", "30", "--history", "3"}, "--history");
   expect_refused({"--headless", "--rate", "30", "--pacing", "/no/such/directory/file"}, "--pacing");
+  expect_refused({"--headless", "--rate", "30", "--back-to-back", "--loss", "10%"}, "--back-to-back");
+  expect_refused({"--headless", "--out", "pictures", "--loss", "10%"}, "--loss");
   expect_refused({"--headless", "--rate", "30", "--from", "2", "--to", "1"}, "--to");
 }
 
