@@ -102,6 +102,7 @@ PacingRun measure_pacing(LiveScene& scene, FrameSource& source, const PacingRequ
     const FrameSchedule::Statistics now = loop.statistics().schedule;
     run.intervals.push_back(interval_of(run, difference(now, last), platform.now()));
     last = now;
+    if (request.interval_ended) request.interval_ended(run.intervals.back());
   }
   run.ended = platform.now();
   run.schedule = difference(last, before.schedule);

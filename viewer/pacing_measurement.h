@@ -14,7 +14,9 @@ struct PacingRequest {
   bool extraction = true;
   DisplayLoop::Options loop;  ///< but the period
   std::function<void(const FrameMoment&)> draw;
-  std::function<bool()> poll;        ///< false: enough
+  std::function<bool()> poll;  ///< false: enough
+  /// Every PacingRun::kInterval, and at the end.
+  std::function<void(const PacingRun::Interval&)> interval_ended;
   LoopPlatform* platform = nullptr;  ///< instead of the scene's, over its contexts
 };
 

@@ -46,15 +46,8 @@ std::string run_text(const PacingRun& run) {
                       run.slice_bound_ms);
   }
   if (run.intervals.size() > 1) {
-    text += "  seconds   frames  late  skipped  missed  median     p99   worst ms  pictures   MiB  files  GL objects\n";
-    for (const PacingRun::Interval& interval : run.intervals) {
-      text +=
-          formatted("  %7.0f %8zu %5lld %8lld %7lld %7.2f %7.2f %7.2f    %8zu %5zu %6zu %11ld\n", interval.seconds,
-                    interval.frames, static_cast<long long>(interval.late), static_cast<long long>(interval.skipped),
-                    static_cast<long long>(interval.missed), interval.median_ms, interval.p99_ms, interval.worst_ms,
-                    interval.pictures, interval.resources.resident_bytes >> 20, interval.resources.open_files,
-                    interval.resources.gl_objects);
-    }
+    text += pacing_interval_heading();
+    for (const PacingRun::Interval& interval : run.intervals) text += pacing_text(interval);
   }
   return text;
 }
@@ -141,6 +134,18 @@ Json run_json(const PacingRun& run) {
 }
 
 }  // namespace
+
+std::string pacing_interval_heading() {
+  return "  seconds   frames  late  skipped  missed  median     p99   worst ms  pictures   MiB  files  GL objects\n";
+}
+
+std::string pacing_text(const PacingRun::Interval& interval) {
+  return formatted("  %7.0f %8zu %5lld %8lld %7lld %7.2f %7.2f %7.2f    %8zu %5zu %6zu %11ld\n", interval.seconds,
+                   interval.frames, static_cast<long long>(interval.late), static_cast<long long>(interval.skipped),
+                   static_cast<long long>(interval.missed), interval.median_ms, interval.p99_ms, interval.worst_ms,
+                   interval.pictures, interval.resources.resident_bytes >> 20, interval.resources.open_files,
+                   interval.resources.gl_objects);
+}
 
 std::string pacing_text(const PacingReport& report) {
   std::string text =

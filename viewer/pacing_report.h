@@ -17,6 +17,9 @@ struct PacingReport {
 
 inline constexpr int kPacingJsonVersion = 1;
 
+/// A line on one of a run's intervals, and the heading above such lines.
+[[nodiscard]] std::string pacing_text(const PacingRun::Interval& interval);
+[[nodiscard]] std::string pacing_interval_heading();
 /// Some lines per run, and how punctual frames are beside extraction where that was measured without, too.
 [[nodiscard]] std::string pacing_text(const PacingReport& report);
 /// One JSON object: "format" "foreview-pacing", "version" kPacingJsonVersion; described in docs/scheduling.md.

@@ -50,8 +50,9 @@ LiveScene::Options scene_options(const ReplayInput& input, GlDebug debug) {
 /// Contexts, scene and view, and one source for each run, so that each shows the same.
 class PacedReplay {
  public:
-  PacedReplay(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options)
-      : debug_(gl_debug_from_environment()),
+  PacedReplay(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options, bool quiet)
+      : quiet_(quiet),
+        debug_(gl_debug_from_environment()),
         realtime_(options.realtime && begin_realtime()),
         display_(OffscreenContext::Options{.debug = debug_ != GlDebug::off}),
         options_(options),
@@ -85,6 +86,13 @@ class PacedReplay {
     request.duration = options_.duration;
     request.extraction = pictures;
     request.poll = [] { return !interrupted(); };
+    // Of long runs, as it goes on; at the end it is in the report.
+    if (frames && request.duration > PacingRun::kInterval) {
+      if (!quiet_) std::fputs(pacing_interval_heading().c_str(), stderr);
+      request.interval_ended = [this](const PacingRun::Interval& interval) {
+        if (!quiet_) std::fputs(pacing_text(interval).c_str(), stderr);
+      };
+    }
     request.draw = [this](const FrameMoment& moment) { draw(moment); };
     report_.runs.push_back(frames ? measure_pacing(scene_, *source_, request)
                                   : measure_extraction_alone(scene_, *source_, request));
@@ -145,6 +153,7 @@ class PacedReplay {
     static_cast<void>(target_.resolve());
   }
 
+  const bool quiet_;
   const GlDebug debug_;
   const bool realtime_;
   OffscreenContext display_;
@@ -209,7 +218,7 @@ void add_pacing_options(CLI::App& command, ReplayPacingOptions& options) {
 void replay_pacing(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options,
                    bool quiet) {
   if (options.file) check_output_file(*options.file, "--pacing");
-  PacedReplay paced(replay, link, options);
+  PacedReplay paced(replay, link, options, quiet);
   if (options.reference) {
     // In this order, so that the frames shown alone wear textures.
     paced.run(false, true);
