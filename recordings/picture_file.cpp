@@ -122,19 +122,29 @@ std::string text_of(const cv::Size& size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
+bool is_jpeg(Bytes bytes) {
+  return bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff;
+}
+
+bool is_png(Bytes bytes) {
+  return bytes.size() >= kPngSignature.size() && std::equal(kPngSignature.begin(), kPngSignature.end(), bytes.begin());
+}
+
 }  // namespace
 
-cv::Mat decode_picture(Bytes bytes, const std::string& where, std::optional<cv::Size> expected) {
+bool begins_as_picture(Bytes bytes) {
+  return is_jpeg(bytes) || is_png(bytes);
+}
+
+cv::Size whole_picture_size(Bytes bytes, const std::string& where) {
   if (bytes.empty()) throw InputError(where, "is empty; expected a JPEG or PNG picture");
-  cv::Size size;
-  if (bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) {
-    size = walk_jpeg(bytes, where);
-  } else if (bytes.size() >= kPngSignature.size() &&
-             std::equal(kPngSignature.begin(), kPngSignature.end(), bytes.begin())) {
-    size = walk_png(bytes, where);
-  } else {
-    throw InputError(where, "is neither a JPEG nor a PNG picture");
-  }
+  if (is_jpeg(bytes)) return walk_jpeg(bytes, where);
+  if (is_png(bytes)) return walk_png(bytes, where);
+  throw InputError(where, "is neither a JPEG nor a PNG picture");
+}
+
+cv::Mat decode_picture(Bytes bytes, const std::string& where, std::optional<cv::Size> expected) {
+  const cv::Size size = whole_picture_size(bytes, where);
   const auto fail_size = [&](const cv::Size& found) {
     throw InputError(where, "is " + text_of(found) + " pixels; expected " + text_of(*expected) + " as in camera.yaml");
   };

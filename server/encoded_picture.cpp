@@ -33,11 +33,25 @@ constexpr std::array<Encoding, 12> kEncodings{{
     {"yuv422_yuyv", 2, CV_8UC2, cv::COLOR_YUV2BGR_YUY2},
 }};
 
-cv::Mat decode_raw(const ImageMessage& image, const std::string& where, cv::Size expected) {
-  const Encoding* encoding = nullptr;
+const Encoding* encoding_of(const ImageMessage& image) {
   for (const Encoding& known : kEncodings) {
-    if (image.encoding == known.name) encoding = &known;
+    if (image.encoding == known.name) return &known;
   }
+  return nullptr;
+}
+
+std::size_t row_bytes(const ImageMessage& image, const Encoding& encoding) {
+  return std::size_t{image.width} * static_cast<std::size_t>(encoding.bytes_per_pixel);
+}
+
+/// The last row may come without its padding.
+bool has_all_rows(const ImageMessage& image, std::size_t row, std::size_t step) {
+  return row > 0 && image.height > 0 && step >= row && image.data.size() >= row &&
+         (image.data.size() - row) / step >= std::size_t{image.height} - 1;
+}
+
+cv::Mat decode_raw(const ImageMessage& image, const std::string& where, cv::Size expected) {
+  const Encoding* const encoding = encoding_of(image);
   if (encoding == nullptr) {
     throw InputError(where, "encoding " + in_quotes(image.encoding.substr(0, 40)) +
                                 " is not known; expected mono8, rgb8, bgr8, rgba8, bgra8, yuv422 or yuv422_yuy2");
@@ -48,10 +62,9 @@ cv::Mat decode_raw(const ImageMessage& image, const std::string& where, cv::Size
                                 " pixels; expected " + std::to_string(expected.width) + "x" +
                                 std::to_string(expected.height) + " as in camera_info");
   }
-  const std::size_t row = std::size_t{image.width} * static_cast<std::size_t>(encoding->bytes_per_pixel);
+  const std::size_t row = row_bytes(image, *encoding);
   const std::size_t step = image.step == 0 ? row : image.step;
-  // The last row may come without its padding.
-  if (step < row || image.data.size() < row || (image.data.size() - row) / step < std::size_t{image.height} - 1) {
+  if (!has_all_rows(image, row, step)) {
     throw InputError(where, "is cut off: " + std::to_string(image.data.size()) + " bytes in rows of " +
                                 std::to_string(step) + "; expected " + std::to_string(image.height) + " rows");
   }
@@ -76,6 +89,25 @@ const MessageHeader& header_of(const EncodedPicture& picture) {
 
 std::size_t bytes_of(const EncodedPicture& picture) {
   return std::visit([](const auto& message) { return message.data.size(); }, picture);
+}
+
+bool looks_like_picture(const EncodedPicture& picture) {
+  const auto* raw = std::get_if<ImageMessage>(&picture);
+  if (raw == nullptr) return begins_as_picture(std::get<CompressedImageMessage>(picture).data);
+  const Encoding* const encoding = encoding_of(*raw);
+  if (encoding == nullptr) return false;
+  const std::size_t row = row_bytes(*raw, *encoding);
+  return has_all_rows(*raw, row, raw->step == 0 ? row : raw->step);
+}
+
+bool looks_whole(const EncodedPicture& picture) {
+  const auto* compressed = std::get_if<CompressedImageMessage>(&picture);
+  if (compressed == nullptr) return looks_like_picture(picture);
+  try {
+    return !whole_picture_size(compressed->data, "picture").empty();
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 cv::Mat decode(const EncodedPicture& picture, const std::string& where, cv::Size expected) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -37,6 +38,7 @@ struct Waiting {
   Timestamp stamp;
   Timestamp arrived;  ///< steady: its last packet
   Timestamp due;      ///< steady: the same after the simulated link
+  std::uint64_t publisher = 0;
   std::size_t index = 0;
 };
 
@@ -81,19 +83,36 @@ struct LiveSource::State {
 
   // With `mutex` held.
 
-  void arrive(std::size_t camera, EncodedPicture picture, const Reception& reception) {
+  void arrive(std::size_t camera, EncodedPicture picture, bool is_picture, const Reception& reception) {
     CameraStream& stream = *streams.at(camera);
     const Timestamp stamp = header_of(picture).stamp;
     wall_from_steady = reception.wall - reception.steady;
-    if (stream.restart.begins_anew(stamp)) begin_generation();
+    // What is no picture says nothing of the stream either: its stamp may be anything.
+    if (!is_picture) {
+      ++counts.pictures_in;
+      note_damage(stream, options.cameras[camera].name + ": is no picture");
+      return;
+    }
+    StreamRestart::Verdict verdict = stream.restart.note(stamp, reception.publisher, reception.steady);
+    if (verdict == StreamRestart::Verdict::begins_anew) {
+      begin_generation();
+      verdict = stream.restart.note(stamp, reception.publisher, reception.steady);
+    }
     if (std::find(stream.stamps.begin(), stream.stamps.end(), stamp) != stream.stamps.end()) {
       ++counts.duplicated;
       return;
     }
+    if (verdict == StreamRestart::Verdict::straggles) {
+      ++counts.pictures_in;
+      ++counts.overwritten;
+      return;
+    }
     stream.stamps.push_back(stamp);
     if (stream.stamps.size() > kStampsRemembered) stream.stamps.pop_front();
-    clock.observe(stamp, is_synchronised() ? reception.wall : reception.steady);
-    transport.add(remote_at(reception.steady) - stamp);
+    if (reception.publisher == stream.restart.publisher()) {
+      clock.observe(stamp, is_synchronised() ? reception.wall : reception.steady);
+      transport.add(remote_at(reception.steady) - stamp);
+    }
     const std::optional<Timestamp> due = link.send(reception.steady, bytes_of(picture));
     if (!due) {
       ++counts.lost;
@@ -101,15 +120,38 @@ struct LiveSource::State {
     }
     if (options.cameras[camera].frame.empty()) stream.frame = header_of(picture).frame;
     waiting_bytes += bytes_of(picture);
-    stream.waiting.push_back({std::move(picture), stamp, reception.steady, *due, stream.next_index++});
+    stream.waiting.push_back(
+        {std::move(picture), stamp, reception.steady, *due, reception.publisher, stream.next_index++});
     ++counts.pictures_in;
-    while (stream.waiting.size() > options.most_waiting) drop(stream, 0, counts.overwritten);
+    while (stream.waiting.size() > options.most_waiting) drop(stream, oldest_of_fullest(stream), counts.overwritten);
     while (waiting_bytes > options.waiting_bytes) {
       const auto fullest = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
         return a->waiting.size() < b->waiting.size();
       });
-      drop(**fullest, 0, counts.overwritten);
+      drop(**fullest, oldest_of_fullest(**fullest), counts.overwritten);
     }
+  }
+
+  /// Of the publisher with most pictures waiting: who floods a topic displaces nobody else's.
+  [[nodiscard]] static std::size_t oldest_of_fullest(const CameraStream& stream) {
+    std::map<std::uint64_t, std::pair<std::size_t, std::size_t>> publishers;  // pictures, place of the oldest
+    for (std::size_t i = 0; i < stream.waiting.size(); ++i) {
+      ++publishers.try_emplace(stream.waiting[i].publisher, 0, i).first->second.first;
+    }
+    const auto fullest = std::max_element(publishers.begin(), publishers.end(),
+                                          [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+    return fullest->second.second;
+  }
+
+  void note_damage(CameraStream& stream, const std::string& damage) {
+    ++counts.damaged;
+    spdlog::log(stream.has_told_damage ? spdlog::level::debug : spdlog::level::warn, "picture dropped: {}", damage);
+    stream.has_told_damage = true;
+  }
+
+  [[nodiscard]] bool is_publisher(std::size_t camera, std::uint64_t publisher) const {
+    const std::lock_guard lock(mutex);
+    return streams.at(camera)->restart.publisher() == publisher;
   }
 
   void drop(CameraStream& stream, std::size_t place, std::size_t& count) {
@@ -185,8 +227,8 @@ struct LiveSource::State {
     std::uint64_t generation = 0;
   };
 
-  /// The newest picture that can be decoded now, of the camera whose turn it is. What is older than it is overwritten;
-  /// what has waited too long for its state is dropped. `next`: when to look again.
+  /// The newest picture that can be decoded now, of the camera whose turn it is. What has waited too long for its state
+  /// is dropped. `next`: when to look again.
   std::optional<Task> next_task(Timestamp now, Timestamp& next) {
     for (std::size_t turn = 0; turn < streams.size(); ++turn) {
       const std::size_t camera = (first_turn + turn) % streams.size();
@@ -211,10 +253,6 @@ struct LiveSource::State {
         Task task{camera, std::move(stream.waiting[*best]), *stream.model, std::move(*state), generation};
         waiting_bytes -= bytes_of(task.waiting.picture);
         stream.waiting.erase(stream.waiting.begin() + static_cast<std::ptrdiff_t>(*best));
-        for (std::size_t i = stream.waiting.size(); i-- > 0;) {
-          const Waiting& other = stream.waiting[i];
-          if (other.due <= now && other.stamp < task.waiting.stamp) drop(stream, i, counts.overwritten);
-        }
         first_turn = camera + 1;
         return task;
       }
@@ -268,9 +306,7 @@ struct LiveSource::State {
       is_in_work = false;
       CameraStream& stream = *streams[task->camera];
       if (picture.empty()) {
-        ++counts.damaged;
-        spdlog::log(stream.has_told_damage ? spdlog::level::debug : spdlog::level::warn, "picture dropped: {}", damage);
-        stream.has_told_damage = true;
+        note_damage(stream, damage);
         continue;
       }
       if (task->generation != generation) {
@@ -278,6 +314,11 @@ struct LiveSource::State {
         continue;
       }
       const Waiting& waiting = task->waiting;
+      // Only now: had it been damaged, one that is older would have been the newest.
+      for (std::size_t i = stream.waiting.size(); i-- > 0;) {
+        const Waiting& other = stream.waiting[i];
+        if (other.due <= now && other.stamp < waiting.stamp) drop(stream, i, counts.overwritten);
+      }
       const Timestamp received = remote_at(waiting.due);
       counts.newest_capture = std::max(counts.newest_capture.value_or(waiting.stamp), waiting.stamp);
       counts.last_received = received;
@@ -315,9 +356,12 @@ LiveSource::LiveSource(Options options) : state_(std::make_unique<State>(std::mo
 LiveSource::~LiveSource() = default;
 
 void LiveSource::on_picture(std::size_t camera, EncodedPicture picture, const Reception& reception) {
+  bool is_picture = looks_like_picture(picture);
+  // Whoever has not yet shown to be the stream's publisher is looked at more closely: by him it may begin anew.
+  if (is_picture && !state_->is_publisher(camera, reception.publisher)) is_picture = looks_whole(picture);
   {
     const std::lock_guard lock(state_->mutex);
-    state_->arrive(camera, std::move(picture), reception);
+    state_->arrive(camera, std::move(picture), is_picture, reception);
   }
   state_->work.notify_one();
 }

@@ -5,12 +5,15 @@
 #include <net/if.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "foreview/scene/errors.h"
 #include "foreview/scene/input_file.h"
@@ -81,9 +84,40 @@ std::string configuration(const std::string& network) {
          "</Internal></Domain></CycloneDDS>";
 }
 
+/// Messages of each topic that Cyclone could not decode. It tells of them nowhere but in its log.
+class Undecodable {
+ public:
+  static Undecodable& instance() {
+    static Undecodable all;
+    return all;
+  }
+  std::shared_ptr<std::atomic<std::size_t>> of(const std::string& topic) {
+    const std::lock_guard lock(mutex_);
+    auto& count = topics_[topic];
+    if (!count) count = std::make_shared<std::atomic<std::size_t>>(0);
+    return count;
+  }
+  /// "data(application, vendor 1.16): GUID #NUMBER: deserialization TOPIC/TYPE failed (WHY)"
+  void read_log(std::string_view line) {
+    constexpr std::string_view kBefore = ": deserialization ";
+    const std::size_t at = line.find(kBefore);
+    if (at == std::string_view::npos || line.find(" failed") == std::string_view::npos) return;
+    const std::string_view rest = line.substr(at + kBefore.size());
+    // Types' names have no slash.
+    const auto topic = std::string(rest.substr(0, rest.substr(0, rest.find(' ')).rfind('/')));
+    const std::lock_guard lock(mutex_);
+    if (const auto known = topics_.find(topic); known != topics_.end()) ++*known->second;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<std::atomic<std::size_t>>> topics_;
+};
+
 void log_line(void* /*unused*/, const dds_log_data_t* data) {
   std::string line(data->message, data->size);
   while (!line.empty() && line.back() == '\n') line.pop_back();
+  if ((data->priority & DDS_LC_WARNING) != 0) Undecodable::instance().read_log(line);
   spdlog::log((data->priority & (DDS_LC_ERROR | DDS_LC_FATAL)) != 0 ? spdlog::level::warn : spdlog::level::debug,
               "DDS: {}", line);
 }
@@ -148,7 +182,10 @@ class Reader final : public DdsReader {
  public:
   using Callback = std::function<void(Message&&, const Reception&)>;
   Reader(dds_entity_t participant, const std::string& topic, QosProfile profile, Callback callback)
-      : topic_name_(wire_topic(topic)), callback_(std::move(callback)) {
+      : topic_name_(wire_topic(topic)),
+        callback_(std::move(callback)),
+        undecodable_(Undecodable::instance().of(topic_name_)),
+        undecodable_before_(*undecodable_) {
     topic_ =
         Entity(dds_create_topic(participant, &wire::Type<Message>::descriptor(), topic_name_.c_str(), nullptr, nullptr),
                "topic " + topic);
@@ -166,7 +203,8 @@ class Reader final : public DdsReader {
   }
   std::size_t lost() const override {
     dds_sample_lost_status_t status{};
-    return dds_get_sample_lost_status(reader_.handle(), &status) == DDS_RETCODE_OK ? status.total_count : 0;
+    const bool is_known = dds_get_sample_lost_status(reader_.handle(), &status) == DDS_RETCODE_OK;
+    return (is_known ? status.total_count : 0) + (*undecodable_ - undecodable_before_);
   }
 
  private:
@@ -191,8 +229,27 @@ class Reader final : public DdsReader {
     }
   }
 
+  /// Handles are given anew whenever a writer is found again; its GUID stays.
+  std::uint64_t publisher(dds_entity_t reader, dds_instance_handle_t handle) {
+    for (const auto& [known, id] : publishers_) {
+      if (known == handle) return id;
+    }
+    dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, handle);
+    if (endpoint == nullptr) return 0;
+    std::uint64_t id = 0xcbf29ce484222325U;  // FNV-1a
+    for (const std::uint8_t byte : endpoint->key.v) id = (id ^ byte) * 0x100000001b3U;
+    dds_builtintopic_free_endpoint(endpoint);
+    constexpr std::size_t kMostRemembered = 16;
+    if (publishers_.size() == kMostRemembered) publishers_.erase(publishers_.begin());
+    publishers_.emplace_back(handle, id);
+    return id;
+  }
+
   std::string topic_name_;
   Callback callback_;
+  std::shared_ptr<const std::atomic<std::size_t>> undecodable_;  ///< of the topic
+  std::size_t undecodable_before_;
+  std::vector<std::pair<dds_instance_handle_t, std::uint64_t>> publishers_;  ///< of the callback's thread
   Entity topic_;
   Entity reader_;  ///< deleted first: waits for a callback that is running
 };

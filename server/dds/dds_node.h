@@ -29,9 +29,11 @@ struct DdsOptions {
 
 /// When a message came.
 struct Reception {
-  Timestamp steady;             ///< steady_now() when its last packet had arrived
-  Timestamp wall;               ///< the same in Unix time
-  std::uint64_t publisher = 0;  ///< tells publishers apart
+  Timestamp steady;  ///< steady_now() when its last packet had arrived
+  Timestamp wall;    ///< the same in Unix time
+  /// Tells publishers apart: of the writer's GUID, so that one who was silent, or cut off, is himself when he returns,
+  /// and one who was started again is another. 0: not known.
+  std::uint64_t publisher = 0;
 };
 
 /// Hears one topic until it is destroyed; afterwards, its callback does not run any more.
@@ -39,7 +41,8 @@ class DdsReader {
  public:
   virtual ~DdsReader() = default;
   [[nodiscard]] virtual std::size_t publishers() const = 0;  ///< heard now
-  /// Messages that did not become valid: damaged on the way, or lost before a reliable writer could repeat them.
+  /// Messages that did not become valid: damaged on the way or not decodable, or lost before a reliable writer could
+  /// repeat them.
   [[nodiscard]] virtual std::size_t lost() const = 0;
 };
 

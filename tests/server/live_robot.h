@@ -32,9 +32,9 @@ struct LiveRobot {
     return options;
   }
   [[nodiscard]] static Timestamp stamp(int i) { return {1'000'000'000'000 + i * kPeriod.nanoseconds}; }
-  [[nodiscard]] static Reception reception() {
+  [[nodiscard]] Reception reception() const {
     const Timestamp now = steady_now();
-    return {now, now + Duration{1'700'000'000'000'000'000}, 1};
+    return {now, now + Duration{1'700'000'000'000'000'000}, publisher};
   }
 
   void send_info() {
@@ -67,6 +67,7 @@ struct LiveRobot {
   }
 
   cv::Size size{32, 24};
+  std::uint64_t publisher = 1;
   LiveSource source;
 };
 

@@ -183,6 +183,67 @@ TEST(LiveSource, RestartedSenderIsANewGeneration) {
   expect_balance(robot.source);
 }
 
+TEST(LiveSource, SenderRestartedWithStampsALittleBackIsANewGeneration) {
+  LiveRobot robot;
+  robot.send_info();
+  for (int i = 100; i < 120; ++i) {
+    robot.send_pose(i);
+    robot.send_picture(i);
+    ASSERT_TRUE(robot.is_picture(take_soon(robot.source), i));
+  }
+  // Begins anew 0.7 s back, where the first one's poses are known: none of them may be used.
+  robot.publisher = 2;
+  std::optional<IncomingFrame> frame;
+  int i = 113;
+  for (; i < 160 && !frame; ++i) {
+    robot.source.on_transforms({{{{robot.stamp(i), "world"}, "optical", Pose{{1, 0, 0, 0}, {-1.0 * i, 0, 0}}}}}, false);
+    robot.send_picture(i);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ASSERT_TRUE(settled(robot.source));
+    frame = robot.source.take();
+  }
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(robot.source.generation(), 1U);
+  EXPECT_EQ(frame->generation, 1U);
+  EXPECT_EQ(frame->frame.state.stamp, robot.stamp(i - 1));
+  EXPECT_EQ(frame->frame.state.world_from_camera.translation.x, -(i - 1));
+  expect_balance(robot.source);
+}
+
+TEST(LiveSource, GarbageThatIsNewerDisplacesNoPicture) {
+  LiveRobot robot;
+  robot.send_info();
+  for (int i = 0; i < 20; ++i) {
+    robot.send_pose(i);
+    // Begins as a JPEG and ends as one: found out only where it is decoded, before the older picture if it can be.
+    robot.send_picture(2 * i + 1, [](CompressedImageMessage& message) {
+      for (std::size_t k = 20; k < 200; ++k) message.data[k] = static_cast<std::uint8_t>(k * 31);
+    });
+    robot.send_picture(2 * i);
+    robot.send_pose(2 * i);
+    robot.send_pose(2 * i + 1);
+    ASSERT_TRUE(robot.is_picture(take_soon(robot.source), 2 * i)) << i;
+  }
+  EXPECT_EQ(robot.source.status().damaged, 20U);
+  expect_balance(robot.source);
+}
+
+TEST(LiveSource, AFloodOfAnotherPublisherDisplacesNoPicture) {
+  LiveSource::Options options;
+  options.most_waiting = 20;
+  options.link.delay = milliseconds(300);  // all of them wait together
+  LiveRobot robot(options);
+  robot.send_info();
+  robot.send_pose(0);
+  robot.send_picture(0);
+  robot.publisher = 2;
+  for (int i = 0; i < 200; ++i) robot.send_picture(100'000 + i);
+  ASSERT_TRUE(robot.is_picture(take_soon(robot.source), 0));
+  ASSERT_TRUE(settled(robot.source));
+  EXPECT_EQ(robot.source.generation(), 0U);
+  expect_balance(robot.source);
+}
+
 TEST(LiveSource, LossJitterAndReorderingOverTheSimulatedLink) {
   LiveSource::Options options;
   options.link.delay = milliseconds(60);

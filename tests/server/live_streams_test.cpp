@@ -1,11 +1,9 @@
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <map>
 #include <opencv2/core.hpp>
 
+#include "child_process.h"
 #include "dds_test_domain.h"
 #include "foreview/server/live_receiver.h"
 #include "foreview/server/live_source.h"
@@ -18,36 +16,10 @@
 namespace foreview {
 namespace {
 
+using test::Child;
 using test::comes_true;
 using test::milliseconds;
 using test::PlayedRecording;
-
-/// Runs something in a process of its own, so that messages go over the network's sockets. Ends it at the end.
-class Child {
- public:
-  explicit Child(const std::function<void()>& work) : pid_(fork()) {
-    if (pid_ != 0) return;
-    work();
-    _exit(0);
-  }
-  ~Child() { end(SIGKILL); }
-  /// Whether it ended by itself, well.
-  bool wait() {
-    int status = 0;
-    const bool well = waitpid(pid_, &status, 0) == pid_ && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    pid_ = 0;
-    return well;
-  }
-  void end(int signal) {
-    if (pid_ == 0) return;
-    kill(pid_, signal);
-    waitpid(pid_, nullptr, 0);
-    pid_ = 0;
-  }
-
- private:
-  pid_t pid_;
-};
 
 void send(const Recording& recording, int domain, RecordingSender::Options options) {
   DdsNode node({domain});
