@@ -130,17 +130,24 @@ std::string try_display(EGLDisplay display, const OffscreenContext::Options& opt
   }
   if (found <= 0) return "offers no config for OpenGL";
 
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                               kMajor,
-                               EGL_CONTEXT_MINOR_VERSION,
-                               kMinor,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                               EGL_CONTEXT_OPENGL_DEBUG,
-                               options.debug ? EGL_TRUE : EGL_FALSE,
-                               EGL_NONE};
   const EGLContext shared = options.share_context == nullptr ? EGL_NO_CONTEXT : options.share_context;
-  context = eglCreateContext(display, config, shared, attributes);
+  // Told of resets where the driver can tell. Of contexts that share objects all must be, or none.
+  for (const EGLint strategy : {EGL_LOSE_CONTEXT_ON_RESET, EGL_NO_RESET_NOTIFICATION}) {
+    const bool told = strategy == EGL_LOSE_CONTEXT_ON_RESET;
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 kMajor,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 kMinor,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_CONTEXT_OPENGL_DEBUG,
+                                 options.debug ? EGL_TRUE : EGL_FALSE,
+                                 told ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+                                 strategy,
+                                 EGL_NONE};
+    context = eglCreateContext(display, config, shared, attributes);
+    if (context != EGL_NO_CONTEXT) break;
+  }
   if (context == EGL_NO_CONTEXT) return "gives no OpenGL 4.5 core context, " + egl_error();
   if (needs_surface) {
     const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};

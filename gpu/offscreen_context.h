@@ -7,7 +7,8 @@ namespace foreview {
 /// An OpenGL 4.5 core context without a window: EGL on the device platform, else Mesa's surfaceless platform, else the
 /// default display; with a 1x1 pbuffer surface where the driver cannot go without. GraphicsError explains a failure.
 /// Of several devices the first that gives a context is taken, hardware before software; the environment variable
-/// FOREVIEW_EGL_DEVICE (0, 1, ... in EGL's order) picks one. The context is current, and in the state of
+/// FOREVIEW_EGL_DEVICE (0, 1, ... in EGL's order) picks one. Where the driver offers it, a reset of the GPU is told by
+/// glGetGraphicsResetStatus(). The context is current, and in the state of
 /// set_up_context_state(), when the constructor returns. EGL displays stay initialised until the process ends, because
 /// contexts share them.
 class OffscreenContext {

@@ -92,7 +92,12 @@ Window::Window(const std::string& title, int width, int height) : title_(title) 
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   limit_to_monitor(width, height);
-  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  // Told of the GPU's resets, where the driver can tell.
+  for (const int robustness : {GLFW_LOSE_CONTEXT_ON_RESET, GLFW_NO_ROBUSTNESS}) {
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, robustness);
+    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    if (window_ != nullptr) break;
+  }
   if (window_ == nullptr) {
     const std::string why = glfw_error();
     glfwTerminate();

@@ -1,3 +1,5 @@
+#include <epoxy/egl.h>
+
 #include <array>
 #include <csignal>
 #include <cstdlib>
@@ -20,6 +22,24 @@ TEST_F(GlTest, ContextIsCoreProfileOfAtLeastVersion45) {
   EXPECT_GE(major * 10 + minor, 45);
   EXPECT_TRUE((profile & GL_CONTEXT_CORE_PROFILE_BIT) != 0);
   EXPECT_NE(context().renderer().find(", OpenGL 4."), std::string::npos) << context().renderer();
+}
+
+TEST_F(GlTest, ContextsAreToldOfResetsWhereTheDriverCanTell) {
+  if (!epoxy_has_egl_extension(context().display(), "EGL_EXT_create_context_robustness")) {
+    GTEST_SKIP() << "this driver cannot tell of the GPU's resets";
+  }
+  const auto strategy = [] {
+    GLint value = 0;
+    glGetIntegerv(GL_RESET_NOTIFICATION_STRATEGY, &value);
+    return value;
+  };
+  EXPECT_EQ(strategy(), GL_LOSE_CONTEXT_ON_RESET);
+  EXPECT_EQ(glGetGraphicsResetStatus(), static_cast<GLenum>(GL_NO_ERROR));
+  OffscreenContext::Options options;
+  options.share_display = context().display();
+  options.share_context = context().context();
+  const OffscreenContext other(options);
+  EXPECT_EQ(strategy(), GL_LOSE_CONTEXT_ON_RESET);
 }
 
 TEST_F(GlTest, ContextStartsInTheAgreedState) {
