@@ -17,34 +17,59 @@ constexpr std::int64_t kLongestTime = 2'147'000'000;  // milliseconds, 24 days: 
 
 }  // namespace
 
-TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing)
+TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing, Making making)
     : layout_(layout), polygons_(polygons), publishing_(publishing), sets_(set_count(publishing)) {
-  while (glGetError() != GL_NO_ERROR) {
-  }
+  assert(making == Making::whole || publishing == Publishing::buffered);
   for (Set& set : sets_) {
-    set.pages = make_texture_2d_array(GL_RGBA8, layout_.page_size, layout_.page_size, static_cast<int>(layout_.pages),
-                                      kChartLevels);
-    if (glGetError() == GL_OUT_OF_MEMORY) {
-      throw GraphicsError("the graphics memory does not hold " +
-                          std::to_string(sets_.size() * layout_.memory_bytes >> 20) +
-                          " MiB of texture pages; use a lower density (--density)");
-    }
-    glTextureParameteri(set.pages.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    glTextureParameteri(set.pages.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     set.polygon_states = GlBuffer::create();
     glNamedBufferStorage(set.polygon_states.id(), static_cast<GLsizeiptr>(polygons * 4 * sizeof(float)), nullptr,
                          GL_DYNAMIC_STORAGE_BIT);
     set.exposure = GlBuffer::create();
     glNamedBufferStorage(set.exposure.id(), sizeof(Exposure), nullptr, GL_DYNAMIC_STORAGE_BIT);
-    set.capture_times = make_texture_2d_array(GL_R32I, layout_.page_size / kChartAlignment,
-                                              layout_.page_size / kChartAlignment, static_cast<int>(layout_.pages));
-    clear(set);
+    clear_small_things(set);
   }
   // The first set is what there is to show before the first picture; the others are free.
   sets_[0].turn = 1;
   sets_[0].complete = true;
-  if (publishing_ == Publishing::direct) return;
+  if (making == Making::whole) {
+    make_rest();
+    return;
+  }
+  no_pages_ = make_texture_2d_array(GL_RGBA8, 1, 1, 1);
+  glClearTexImage(no_pages_.id(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  no_capture_times_ = make_texture_2d_array(GL_R32I, 1, 1, 1);
+  forget_capture_times(no_capture_times_);
+  // The display may look at it before any fence.
+  glFinish();
+}
 
+void TextureSets::make_pages(Set& set) {
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  GlTexture pages = make_texture_2d_array(GL_RGBA8, layout_.page_size, layout_.page_size,
+                                          static_cast<int>(layout_.pages), kChartLevels);
+  if (glGetError() == GL_OUT_OF_MEMORY) {
+    throw GraphicsError("the graphics memory does not hold " +
+                        std::to_string(sets_.size() * layout_.memory_bytes >> 20) +
+                        " MiB of texture pages; use a lower density (--density)");
+  }
+  glTextureParameteri(pages.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTextureParameteri(pages.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  clear_pages(pages);
+  GlTexture capture_times = make_texture_2d_array(GL_R32I, layout_.page_size / kChartAlignment,
+                                                  layout_.page_size / kChartAlignment, static_cast<int>(layout_.pages));
+  forget_capture_times(capture_times);
+  // The display may look at the first set before any fence.
+  if (publishing_ == Publishing::buffered) glFinish();
+  const std::lock_guard lock(mutex_);
+  set.pages = std::move(pages);
+  set.capture_times = std::move(capture_times);
+}
+
+void TextureSets::make_rest() {
+  if (sets_[0].pages.id() != 0) return;
+  for (Set& set : sets_) make_pages(set);
+  if (publishing_ == Publishing::direct) return;
   std::vector<GLuint> pages;
   for (Set& set : sets_) {
     set.is_stale.resize(layout_.groups.size());
@@ -53,7 +78,6 @@ TextureSets::TextureSets(const ChartLayout& layout, std::size_t polygons, Publis
   }
   copier_ = std::make_unique<PageCopier>(layout_, std::move(pages));
   copier_->choose_method(0, 1);
-  // The display may look at the first set before any fence.
   glFinish();
 }
 
@@ -65,30 +89,34 @@ std::size_t TextureSets::memory_bytes() const {
                          layout_.pages * blocks * blocks * sizeof(std::int32_t));
 }
 
-void TextureSets::clear(const Set& set) {
+void TextureSets::clear_pages(const GlTexture& pages) {
   for (int level = 0; level < kChartLevels; ++level) {
-    glClearTexImage(set.pages.id(), level, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    glClearTexImage(pages.id(), level, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   }
+}
+
+void TextureSets::clear_small_things(const Set& set) {
   constexpr std::array<float, 4> kUnseen{0.5F, 0.5F, 0.5F, 0.0F};
   glClearNamedBufferData(set.polygon_states.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, kUnseen.data());
   constexpr Exposure kAsTheyAre;
   glNamedBufferSubData(set.exposure.id(), 0, sizeof kAsTheyAre, &kAsTheyAre);
-  forget_capture_times(set);
 }
 
-void TextureSets::forget_capture_times(const Set& set) {
+void TextureSets::forget_capture_times(const GlTexture& capture_times) {
   constexpr std::int32_t kNever = kNeverCaptured;
-  glClearTexImage(set.capture_times.id(), 0, GL_RED_INTEGER, GL_INT, &kNever);
+  glClearTexImage(capture_times.id(), 0, GL_RED_INTEGER, GL_INT, &kNever);
 }
 
 void TextureSets::clear() {
-  clear(sets_[current_]);
+  clear_pages(sets_[current_].pages);
+  clear_small_things(sets_[current_]);
+  forget_capture_times(sets_[current_].capture_times);
   newest_capture_.reset();
   epoch_.reset();
 }
 
 void TextureSets::forget_capture_times() {
-  forget_capture_times(sets_[current_]);
+  forget_capture_times(sets_[current_].capture_times);
   newest_capture_.reset();
   epoch_.reset();
 }
@@ -289,8 +317,14 @@ TextureSets::Shown TextureSets::acquire() {
     shown_ = newest_complete();
   }
   const Set& set = sets_[shown_];
-  return {set.pages.id(), set.polygon_states.id(), set.exposure.id(), set.capture_times.id(),
-          set.picture,    set.newest_capture,      set.epoch};
+  const bool made = set.pages.id() != 0;
+  return {made ? set.pages.id() : no_pages_.id(),
+          set.polygon_states.id(),
+          set.exposure.id(),
+          made ? set.capture_times.id() : no_capture_times_.id(),
+          set.picture,
+          set.newest_capture,
+          set.epoch};
 }
 
 void TextureSets::release() {

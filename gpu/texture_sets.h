@@ -26,6 +26,12 @@ enum class Publishing {
   return publishing == Publishing::direct ? 1 : 3;
 }
 
+/// What a constructor makes.
+enum class Making {
+  whole,
+  in_part,  ///< as little as a display needs to show that nothing has been seen; the rest is made later
+};
+
 /// A time of capture that is none; in shaders the same in capture_times.glsl.
 inline constexpr std::int32_t kNeverCaptured = std::numeric_limits<std::int32_t>::min();
 
@@ -41,13 +47,15 @@ class TextureSets {
  public:
   /// All sets hold nothing seen. Errors as TextureStore's constructor; `layout` must outlive this. May wait for the
   /// GPU.
-  TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing);
+  TextureSets(const ChartLayout& layout, std::size_t polygons, Publishing publishing, Making making = Making::whole);
   ~TextureSets();
   TextureSets(const TextureSets&) = delete;
   TextureSets& operator=(const TextureSets&) = delete;
 
   // Extraction's side: one thread, its context current.
 
+  /// See TextureStore::make_rest().
+  void make_rest();
   /// The set being written, else the newest.
   [[nodiscard]] GLuint pages() const { return sets_[current_].pages.id(); }
   [[nodiscard]] GLuint polygon_states() const { return sets_[current_].polygon_states.id(); }
@@ -101,7 +109,7 @@ class TextureSets {
 
  private:
   struct Set {
-    // Fixed after construction.
+    // Fixed once made; then, guarded by the mutex, given to the display.
     GlTexture pages, capture_times;
     GlBuffer polygon_states, exposure;
     // Extraction's own: the groups whose charts changed since this set was last written.
@@ -123,15 +131,20 @@ class TextureSets {
   [[nodiscard]] std::size_t newest_complete() const;
   [[nodiscard]] std::optional<std::size_t> find_free() const;
 
+  void make_pages(Set& set);
   void copy_small_things();
   static void forget_stale(Set& set);
-  static void forget_capture_times(const Set& set);
-  static void clear(const Set& set);
+  static void forget_capture_times(const GlTexture& capture_times);
+  static void clear_pages(const GlTexture& pages);
+  static void clear_small_things(const Set& set);
 
   const ChartLayout& layout_;
   const std::size_t polygons_;
   const Publishing publishing_;
   std::vector<Set> sets_;
+  /// Until make_rest(): one texel that nobody has seen, shown in the place of the first set's. Polygons that no picture
+  /// has shown have colours without it.
+  GlTexture no_pages_, no_capture_times_;
   std::unique_ptr<PageCopier> copier_;
 
   // Extraction's own.

@@ -74,14 +74,14 @@ struct TextureStore::Tools {
   std::vector<std::uint32_t> group_list;
 };
 
-TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing)
+TextureStore::TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing, Making making)
     : model_(model), layout_(std::move(layout)) {
   const std::size_t polygons = model_.polygons().size();
   assert(layout_.charts.size() == polygons);
   assert(layout_.page_size % kChartAlignment == 0 && layout_.pages > 0);
   check_limits(layout_);
 
-  sets_ = std::make_unique<TextureSets>(layout_, polygons, publishing);
+  sets_ = std::make_unique<TextureSets>(layout_, polygons, publishing, making);
   tools_ = std::make_unique<Tools>(layout_);
   assert(layout_.members.size() == polygons && layout_.outline.size() == model_.corners().size());
   for (const ChartGroup& chart : layout_.groups) {

@@ -29,7 +29,10 @@ class TextureStore {
   /// destruction. Holds copies of `model` and `layout`. Begins as after clear(). With `buffered` it takes some
   /// milliseconds to find out how charts are best copied here. Throws InputError if the driver's limits do not allow
   /// the layout, GraphicsError if it has not the memory.
-  TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing = Publishing::direct);
+  /// With Making::in_part (`buffered` only) it is soon done, and only acquire() and release() may be used, which give
+  /// nothing seen, until make_rest(): nearly all the time goes into the pages' memory.
+  TextureStore(const PolygonModel& model, ChartLayout layout, Publishing publishing = Publishing::direct,
+               Making making = Making::whole);
   ~TextureStore();
   TextureStore(const TextureStore&) = delete;
   TextureStore& operator=(const TextureStore&) = delete;
@@ -38,6 +41,9 @@ class TextureStore {
   [[nodiscard]] const PolygonModel& model() const { return model_; }
   /// Of all sets, pages with levels and states. A budget for it is divided by set_count() for lay_out_charts().
   [[nodiscard]] std::size_t memory_bytes() const { return sets_->memory_bytes(); }
+
+  /// After Making::in_part, in any one thread, while the display goes on. Throws GraphicsError as the constructor does.
+  void make_rest() { sets_->make_rest(); }
 
   // Extraction's view: the set being written, else the newest, complete or not. So do all members that read or write.
 

@@ -1,6 +1,9 @@
 #pragma once
+#include <atomic>
+#include <exception>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "foreview/gpu/extraction.h"
 #include "foreview/gpu/offscreen_context.h"
@@ -25,6 +28,9 @@ class LiveScene {
     std::optional<std::filesystem::path> initial_textures;
     bool initial_textures_must_fit = true;
     bool debug = false;  ///< a debug context for extraction, too
+    /// Constructed is only what shows that nothing has been seen; the rest is prepared in another thread, while the
+    /// display goes on.
+    bool beside_display = false;
   };
   /// `display`, `context`: EGLDisplay and EGLContext of the display's context; `make_display_current` makes it current.
   /// Throws as TextureStore, make_extraction_pipeline() and load_textures() do.
@@ -34,6 +40,10 @@ class LiveScene {
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 
+  /// Whether all is prepared, as it always is unless Options::beside_display. Until then: no extraction(), of store()
+  /// only what TextureStore says, and what platform() is to do in the extraction's context waits for it, and throws, as
+  /// this does, what the constructor would have thrown.
+  [[nodiscard]] bool is_ready();
   [[nodiscard]] LoopPlatform& platform() { return platform_; }
   [[nodiscard]] OffscreenContext& extraction_context() { return context_; }
   [[nodiscard]] TextureStore& store() { return *store_; }
@@ -46,11 +56,28 @@ class LiveScene {
   void restart();
 
  private:
+  /// Waits, before the extraction's context is used, until the other thread has done with it.
+  class Platform final : public GlLoopPlatform {
+   public:
+    Platform(std::function<void()> make_display_current, LiveScene& scene)
+        : GlLoopPlatform(std::move(make_display_current), scene.context_), scene_(scene) {}
+    void in_extraction(const std::function<void()>& work) override;
+
+   private:
+    LiveScene& scene_;
+  };
+  void prepare();
+  void load_initial_textures();
+  void await();
+
   Options options_;
   OffscreenContext context_;
-  GlLoopPlatform platform_;
+  Platform platform_;
   std::unique_ptr<TextureStore> store_;
   std::unique_ptr<ExtractionPipeline> extraction_;
+  std::atomic<bool> prepared_ = false;
+  std::exception_ptr failure_;  ///< of the other thread
+  std::thread preparing_;
 };
 
 }  // namespace foreview

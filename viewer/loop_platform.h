@@ -37,7 +37,7 @@ class LoopPlatform {
 };
 
 /// The real one: steady_now() and fences.
-class GlLoopPlatform final : public LoopPlatform {
+class GlLoopPlatform : public LoopPlatform {
  public:
   /// Work that the GPU has not done after so long is taken for lost.
   static constexpr Duration kPatience{20'000'000'000};

@@ -26,6 +26,7 @@ void write_json(const std::filesystem::path& file, const ViewerSummary& summary)
       {"camera", summary.camera},
       {"from_seconds", summary.from_seconds},
       {"to_seconds", summary.to_seconds},
+      {"first_frame_after_seconds", summary.first_frame_after.seconds()},
       {"pictures_written", summary.pictures_written},
       {"pictures_extracted", summary.counters.pictures_extracted},
       {"pictures_in", source.pictures_in},

@@ -20,6 +20,7 @@
 #include "foreview/viewer/frame_quality.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/picture_output.h"
+#include "foreview/viewer/process_age.h"
 #include "foreview/viewer/viewer_stage.h"
 
 namespace foreview {
@@ -28,7 +29,8 @@ namespace {
 constexpr double kSoftwareRate = 33, kGreatestRate = 60;  // hertz
 constexpr Duration kMessageTime{4'000'000'000};
 constexpr Duration kTitleInterval{200'000'000};
-constexpr Duration kSettled{700'000'000};  // nothing was extracted for so long: nothing more will come
+constexpr Duration kSettled{700'000'000};          // nothing was extracted for so long: nothing more will come
+constexpr Duration kPreparingPeriod{100'000'000};  // nothing moves yet: the cores are better used by what is prepared
 constexpr Duration kMemoryInterval{1'000'000'000};
 constexpr std::size_t kMostContextsLost = 3;
 constexpr std::int64_t kFramesToWarmUp = 2;
@@ -166,7 +168,7 @@ class ViewerSession {
     const bool waits = !is_software(status_.renderer);
     window_->set_swap_interval(waits ? 1 : 0);
     DisplayLoop::Options loop_options;
-    loop_options.period = Duration::from_seconds(1 / wanted_rate());
+    loop_options.period = kPreparingPeriod;
     loop_options.present_waits = present_waits_ = waits;
     drawing_.clear();
     if (fast_) stage_->set_display_quality(ViewQuality::fast);
@@ -177,8 +179,8 @@ class ViewerSession {
     callbacks.restart = [this] { stage_->scene().restart(); };
     callbacks.frame_completed = [this](const FrameRecord& record) { note(record); };
     DisplayLoop loop(stage_->scene().platform(), loop_options, stage_->scene().store(), player_, std::move(callbacks));
-    loop.set_extraction(&stage_->scene().extraction());
     loop_ = &loop;
+    extracting_ = false;
     status_.last_frames.clear();
     last_completed_.reset();
     try {
@@ -209,7 +211,7 @@ class ViewerSession {
     add(summary_.frames_skipped, statistics.schedule.skipped);
     add(summary_.frames_missed, statistics.schedule.missed);
     summary_.counters.pictures_extracted += statistics.pictures_finished;
-    summary_.objects_grown = live_gl_objects() - objects_at_first_;
+    if (begun_) summary_.objects_grown = live_gl_objects() - objects_at_first_;
     loop_ = nullptr;
   }
 
@@ -257,14 +259,28 @@ class ViewerSession {
     if (!std::exchange(drawn_, false)) return;
     window_->swap();
     if (std::exchange(first_, false)) {
-      spdlog::debug("first picture after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
-      objects_at_first_ = live_gl_objects();
-      clock_.play();
+      summary_.first_frame_after = process_age();
+      spdlog::debug("first frame after {:.0f} ms, {:.0f} ms after the process began",
+                    (steady_now() - started_).seconds() * 1e3, summary_.first_frame_after.seconds() * 1e3);
     }
+  }
+
+  /// Once all is there that was prepared while the first frames were shown. Only then time begins to pass, so that no
+  /// picture is missed.
+  void begin_extraction() {
+    if (extracting_ || !stage_->scene().is_ready()) return;
+    extracting_ = true;
+    loop_->set_period(Duration::from_seconds(1 / wanted_rate()));
+    loop_->set_extraction(&stage_->scene().extraction());
+    if (std::exchange(begun_, true)) return;
+    spdlog::debug("extraction after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
+    objects_at_first_ = live_gl_objects();
+    clock_.play();
   }
 
   /// What must not happen while a frame is being drawn.
   void between_frames() {
+    begin_extraction();
     const ViewerControl::Settings& settings = control_.settings();
     if (settings.link != player_.link()) player_.set_link(settings.link);
     apply_extraction();
@@ -275,7 +291,8 @@ class ViewerSession {
 
   void apply_extraction() {
     const ExtractionOptions& wanted = control_.settings().extraction;
-    if (wanted == applied_extraction_ || stage_->interface().is_editing() || loop_->is_extracting()) return;
+    if (!extracting_ || wanted == applied_extraction_ || stage_->interface().is_editing() || loop_->is_extracting())
+      return;
     const Timestamp begun = steady_now();
     try {
       loop_->set_extraction(nullptr);
@@ -312,7 +329,8 @@ class ViewerSession {
   /// Full frames for as long as they leave extraction its time; the first ones, for which shaders are made, do not
   /// count. Once fast, always fast: a view that changes its looks again and again would be worse.
   void fit_quality(const FrameRecord& record) {
-    if (fast_ || record.number < kFramesToWarmUp) return;
+    if (fast_ || !extracting_) return;
+    if (++frames_beside_extraction_ <= kFramesToWarmUp) return;
     drawing_.push_back(record.completed - record.started);
     if (std::ssize(drawing_) < kFramesToMeasure) return;
     std::ranges::nth_element(drawing_, drawing_.begin() + kFramesToMeasure / 2);
@@ -372,7 +390,7 @@ class ViewerSession {
     title.paused = !clock_.playing();
     title.at_end = clock_.at_end();
     // Between two pictures it is idle for a moment.
-    if (loop_->is_extracting() || clock_.now().generation != settled_generation_) {
+    if (!extracting_ || loop_->is_extracting() || clock_.now().generation != settled_generation_) {
       extracted_ = now;
       settled_generation_ = clock_.now().generation;
     }
@@ -452,7 +470,9 @@ class ViewerSession {
 
   std::optional<std::int64_t> lose_context_at_ = frame_to_lose_context_at();
   bool window_sized_ = false, first_ = true, drawn_ = false;
+  bool extracting_ = false, begun_ = false;  ///< with the present contexts; ever
   bool present_waits_ = false, fast_ = false;
+  std::int64_t frames_beside_extraction_ = 0;
   std::vector<Duration> drawing_;  ///< of the last frames, in full quality
   long objects_at_first_ = 0;
   std::uint64_t generation_ = ~std::uint64_t{0};

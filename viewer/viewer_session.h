@@ -25,6 +25,7 @@ struct ViewerOptions {
 struct ViewerSummary {
   std::string recording, camera;
   double from_seconds = 0, to_seconds = 0;  ///< since the recording's start
+  Duration first_frame_after;               ///< since the process was started
   std::size_t pictures_written = 0;
   std::size_t contexts_lost = 0;
   long objects_grown = 0;  ///< OpenGL objects made between the first picture and the end

@@ -22,6 +22,7 @@ LiveScene::Options scene_options(const ReplayInput& input, const ExtractionOptio
       input.options.load_textures ? input.options.load_textures : input.recording.initial_textures();
   options.initial_textures_must_fit = input.options.load_textures.has_value();
   options.debug = gl_debug_from_environment() != GlDebug::off;
+  options.beside_display = true;
   return options;
 }
 
@@ -125,7 +126,7 @@ void ViewerStage::draw(const FrameMoment& moment, Timestamp t, Timestamp since, 
   if (display_quality_ == ViewQuality::fast) drawn.quality = ViewQuality::fast;
   composer_->compose(*shown_, drawn, frame_size_);
   control_.settings().choice.polygon.reset();
-  if (control_.settings().probe) {
+  if (control_.settings().probe && scene_.is_ready()) {
     probe_->update(*shown_, choice, frame_size_, cursor_);
     if (probe_->found()) control_.settings().choice.polygon = probe_->found()->polygon;
   }
