@@ -151,6 +151,12 @@ void FrameComposer::annotate(const FrameInput& input, const ViewChoice& choice, 
   const FrameArea frame{0, 0, target_.width(), target_.height()};
   const FrameArea view{viewport.x, viewport.y, viewport.end_x() - viewport.x, viewport.height};
   if (choice.mode == ViewMode::split) paint_split(painter_, frame, viewport.end_x());
+  const bool beside = choice.mode == ViewMode::split || choice.mode == ViewMode::side_by_side;
+  if (beside && (choice.camera != CameraMode::follow || choice.field_of_view) && !input.delayed.picture.empty()) {
+    // Left as it came, it does not fit the view beside it: nobody shall look for why.
+    const int end = view.x + view.width;
+    paint_note(painter_, {end, 0, frame.width - end, frame.height}, "from the real camera");
+  }
   if (shows_predicted(choice.mode)) {
     int place = 0;
     if (choice.overlays.density) paint_density_scale(painter_, view, place++);

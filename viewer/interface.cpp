@@ -3,12 +3,12 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
-#include <imgui_internal.h>
 
 #include <algorithm>
 
 #include "foreview/scene/errors.h"
 #include "foreview/viewer/interface_theme.h"
+#include "foreview/viewer/panel_focus.h"
 #include "foreview/viewer/window.h"
 
 namespace foreview {
@@ -34,8 +34,7 @@ struct Interface::State {
 
   Window& window;
   float scale = 0, pixels_per_point = 1, em = 0;
-  bool entered = false;  ///< the keyboard is in the panels
-  bool entering = false;
+  PanelFocus focus;
 };
 
 Interface::Interface(Window& window) : state_(std::make_unique<State>(window)) {
@@ -69,38 +68,25 @@ void Interface::begin() {
                     static_cast<float>(std::max(state_->window.height(), 0)) / density};
   io.DisplayFramebufferScale = {density, density};
   ImGui::NewFrame();
-  const ImGuiContext& context = *ImGui::GetCurrentContext();
-  const bool busy = ImGui::IsAnyItemActive() || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
-  if (context.NavWindowingTarget != nullptr) state_->entered = true;  // Ctrl+Tab
-  // Without this a click into a panel would take the keys with it.
-  if (!state_->entered && !busy && context.NavWindow != nullptr) ImGui::SetWindowFocus(nullptr);
+  state_->focus.begin();
 }
 
 void Interface::end() {
-  if (state_->entering) {
-    state_->entering = false;
-    ImGui::FocusTopMostWindowUnderOne(nullptr, nullptr);
-    if (ImGuiWindow* window = ImGui::GetCurrentContext()->NavWindow) {
-      ImGui::NavInitWindow(window, window->NavLastIds[0] == 0);
-      ImGui::GetCurrentContext()->NavDisableHighlight = false;
-      state_->entered = true;
-    }
-  }
+  state_->focus.end();
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 void Interface::enter() {
-  state_->entering = true;
+  state_->focus.enter();
 }
 
 void Interface::leave() {
-  if (!ImGui::IsAnyItemActive() && !ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) state_->entered = false;
+  state_->focus.leave();
 }
 
 bool Interface::wants_keys() const {
-  const ImGuiIO& io = ImGui::GetIO();
-  return state_->entered || io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+  return state_->focus.wants_keys();
 }
 
 bool Interface::is_editing() const {

@@ -19,9 +19,6 @@ struct PointerState {
 /// Dear ImGui in a Window: fonts and spacing for the screen's pixel density, theme, and who gets keys and mouse. One at
 /// a time; every member needs the window's context. What is shown is up to the panels (panels.h) that are called
 /// between begin() and end().
-///
-/// Keys belong to the view, so that they work whatever was clicked last; panels get them between enter() (or Ctrl+Tab)
-/// and Escape, while text is being typed, and while a list is open.
 class Interface {
  public:
   explicit Interface(Window& window);
@@ -34,9 +31,8 @@ class Interface {
   /// Draws what the panels gave since begin() into the window's framebuffer, leaving GL's state as it was.
   void end();
 
-  /// The keyboard goes into the panels, to the widget that had it last.
+  // As PanelFocus.
   void enter();
-  /// Escape was pressed: the keyboard goes back to the view, unless an open list or a figure being typed closes first.
   void leave();
   [[nodiscard]] bool wants_keys() const;
   /// A slider is being dragged, or a figure typed: what it changes is not final.

@@ -63,11 +63,18 @@ void draw_icon(ImDrawList& list, Icon icon, const ImVec2& centre, float size, Im
 }
 
 void fact_in(const char* label, const std::string& value, const ImVec4& colour) {
-  ImGui::TextDisabled("%s", label);
+  const float left = ImGui::GetCursorPosX(), room = ImGui::GetContentRegionAvail().x;
   const float width = ImGui::CalcTextSize(value.c_str()).x;
-  const float right = ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x;
-  ImGui::SameLine(std::max(right - width, 0.0F));
-  ImGui::TextColored(colour, "%s", value.c_str());
+  const float label_end = ImGui::CalcTextSize(label).x + ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::TextDisabled("%s", label);
+  // What does not fit beside its label goes below it, broken where even that is not enough.
+  if (label_end + width <= room) ImGui::SameLine();
+  ImGui::SetCursorPosX(left + std::max(room - width, 0.0F));
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(value.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
 }
 
 struct PlotArea {
@@ -76,20 +83,27 @@ struct PlotArea {
   [[nodiscard]] float height() const { return to.y - from.y; }
 };
 
-/// Makes room for a plot over the whole width and gives it its background and axis.
-PlotArea begin_plot(const char* id, double top, float em, float height) {
+/// Makes room for a plot over the whole width and gives it its background.
+PlotArea begin_plot(const char* id, float em, float height) {
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const float width = std::max(ImGui::GetContentRegionAvail().x, em);
   ImGui::PushID(id);
   ImGui::Dummy({width, height});
   ImGui::PopID();
   const PlotArea area{from, from + ImVec2(width, height)};
-  ImDrawList& list = *ImGui::GetWindowDrawList();
-  list.AddRectFilled(area.from, area.to, interface_colour::kPlotBack, ImGui::GetStyle().FrameRounding);
+  ImGui::GetWindowDrawList()->AddRectFilled(area.from, area.to, interface_colour::kPlotBack,
+                                            ImGui::GetStyle().FrameRounding);
+  return area;
+}
+
+/// After the bars: what the plot's upper edge means, on a ground of its own.
+void end_plot(const PlotArea& area, double top, float em) {
   char text[32];
   std::snprintf(text, sizeof text, "%g ms", top);
-  list.AddText(area.from + ImVec2(em * 0.3F, em * 0.15F), interface_colour::kFaint, text);
-  return area;
+  const ImVec2 from = area.from + ImVec2(em * 0.2F, em * 0.15F), size = ImGui::CalcTextSize(text);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(from, from + ImVec2(size.x + em * 0.4F, size.y), interface_colour::kPlotBack & 0xD0FFFFFFU, 3);
+  list.AddText(from + ImVec2(em * 0.2F, 0), 0xFFD8D4D0U, text);
 }
 
 }  // namespace
@@ -178,7 +192,7 @@ void extraction_plot(const std::deque<ViewerStatus::Picture>& pictures, float em
     most = std::max(most, sum);
   }
   const double top = plot_top(static_cast<double>(most));
-  const PlotArea area = begin_plot("extraction", top, em, em * 4.5F);
+  const PlotArea area = begin_plot("extraction", em, em * 4.5F);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float bar = area.width() / static_cast<float>(ViewerStatus::kPictures);
   for (std::size_t i = 0; i < pictures.size() && i < ViewerStatus::kPictures; ++i) {
@@ -193,6 +207,7 @@ void extraction_plot(const std::deque<ViewerStatus::Picture>& pictures, float em
       below -= height;
     }
   }
+  end_plot(area, top, em);
   // Legend, as many to a line as fit.
   const float end = ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x;
   bool first = true;
@@ -215,7 +230,7 @@ void extraction_plot(const std::deque<ViewerStatus::Picture>& pictures, float em
 void frame_plot(const std::deque<ViewerStatus::Frame>& frames, double period_ms, float em) {
   // Twice the period is as much as tells anything: what is longer is as bad.
   const double top = plot_top(std::max(period_ms, 1.0) * 1.6);
-  const PlotArea area = begin_plot("frames", top, em, em * 3);
+  const PlotArea area = begin_plot("frames", em, em * 3);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float bar = area.width() / static_cast<float>(ViewerStatus::kFrames);
   for (std::size_t i = 0; i < frames.size() && i < ViewerStatus::kFrames; ++i) {
@@ -227,6 +242,7 @@ void frame_plot(const std::deque<ViewerStatus::Frame>& frames, double period_ms,
   }
   const float line = area.to.y - static_cast<float>(period_ms / top) * area.height();
   list.AddLine({area.from.x, line}, {area.to.x, line}, 0x60FFFFFFU);
+  end_plot(area, top, em);
 }
 
 }  // namespace foreview::widgets

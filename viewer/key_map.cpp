@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 namespace foreview {
 namespace {
@@ -51,8 +52,8 @@ const std::vector<Line>& lines() {
        {{A::split_left, {plain(',')}, true}, {A::split_right, {plain('.')}, true}}},
       {"Camera", "next camera: follow the recording, look around, free, overview", {{A::next_camera, {plain('c')}}}},
       {"Camera", "camera back to the recorded pose", {{A::reset_camera, {plain('r')}}}},
-      {"Camera", "turn", {}, "Left drag, Shift+arrows"},
-      {"Camera", "move (free camera and overview)", {}, "Right drag, Ctrl+arrows, Page Up/Down"},
+      {"Camera", "turn", {}, "Left drag / Shift+arrows"},
+      {"Camera", "move (free camera and overview)", {}, "Right drag / Ctrl+arrows / Page Up, Down"},
       {"Camera", "nearer, farther", {}, "Wheel"},
       {"Overlays", "holes in pink: what no picture has shown and was filled", {{A::toggle_holes, {plain('h')}}}},
       {"Overlays", "polygons that no picture has shown", {{A::toggle_never_seen, {plain('n')}}}},
@@ -80,7 +81,7 @@ const std::vector<Line>& lines() {
        {{A::copy_command, {with_control('c')}}}},
       {"Program", "hide or show the panels", {{A::toggle_panels, {plain('p')}}}},
       {"Program",
-       "the keyboard into the panels: arrows, Space, Enter, Tab; Esc leaves",
+       "the keyboard into the panels, again: into the next; Esc: out",
        {{A::enter_panels, {plain(KeyChord::f1 + 1), plain(KeyChord::enter)}}}},
       {"Program", "this table", {{A::toggle_help, {plain(KeyChord::f1), shifted('/'), plain('?')}}}},
       {"Program", "full screen", {{A::toggle_full_screen, {plain(KeyChord::f1 + 10)}}}},
@@ -131,6 +132,12 @@ std::string key_name(int key) {
       break;
   }
   if (key >= KeyChord::f1) return "F" + std::to_string(key - KeyChord::f1 + 1);
+  // Between other text these would pass for punctuation.
+  constexpr std::array kPunctuation{std::pair{',', "Comma"}, std::pair{'.', "Period"}, std::pair{'-', "Minus"},
+                                    std::pair{'=', "Equals"}};
+  for (const auto& [character, name] : kPunctuation) {
+    if (key == character) return name;
+  }
   const char character = static_cast<char>(key);
   return {character >= 'a' && character <= 'z' ? static_cast<char>(character - 'a' + 'A') : character};
 }
@@ -144,7 +151,7 @@ bool named(const Binding& binding, std::size_t chord) {
 std::string names(const Binding& binding) {
   std::string text;
   for (std::size_t i = 0; i < binding.chords.size(); ++i) {
-    if (named(binding, i)) text += (text.empty() ? "" : ", ") + to_string(binding.chords[i]);
+    if (named(binding, i)) text += (text.empty() ? "" : " / ") + to_string(binding.chords[i]);
   }
   return text;
 }
@@ -153,7 +160,7 @@ std::vector<KeyRow> make_rows() {
   std::vector<KeyRow> rows;
   for (const Line& line : lines()) {
     std::string keys = line.other;
-    for (const Binding& binding : line.bindings) keys += (keys.empty() ? "" : ", ") + names(binding);
+    for (const Binding& binding : line.bindings) keys += (keys.empty() ? "" : " / ") + names(binding);
     rows.push_back({line.group, keys, line.effect});
   }
   return rows;

@@ -15,7 +15,9 @@ void combo(const char* name, const char* id, Choice& chosen, const std::array<Ch
   widgets::label(name, em);
   if (ImGui::BeginCombo(id, to_string(chosen))) {
     for (std::size_t i = 0; i < offered; ++i) {
-      if (ImGui::Selectable(to_string(choices[i]), choices[i] == chosen)) chosen = choices[i];
+      const bool is_chosen = choices[i] == chosen;
+      if (ImGui::Selectable(to_string(choices[i]), is_chosen)) chosen = choices[i];
+      if (is_chosen) ImGui::SetItemDefaultFocus();
     }
     ImGui::EndCombo();
   }

@@ -12,7 +12,7 @@ namespace {
 void show_rows(const char* id, const std::vector<KeyRow>& rows, std::size_t from, std::size_t to, float em,
                float width) {
   if (!ImGui::BeginTable(id, 2, ImGuiTableFlags_None, {width, 0})) return;
-  ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, em * 9.5F);
+  ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, em * 10.5F);
   ImGui::TableSetupColumn("effect", ImGuiTableColumnFlags_WidthStretch);
   const char* group = "";
   for (std::size_t i = from; i < to; ++i) {
@@ -57,6 +57,9 @@ void show_help(const PanelInput& input, const PanelLayout& layout) {
   const float width = std::min(whole_width - input.em, input.em * 62);
   ImGui::SetNextWindowPos({whole_width / 2, whole_height / 2}, ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, std::max(whole_height - input.em, input.em)});
+  // The panels behind must not shine through between the lines.
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
   bool open = true;
   if (ImGui::Begin("Keys and mouse", &open,
                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
@@ -73,6 +76,7 @@ void show_help(const PanelInput& input, const PanelLayout& layout) {
     }
   }
   ImGui::End();
+  ImGui::PopStyleVar();
   if (!open) input.control.settings().help = false;
 }
 

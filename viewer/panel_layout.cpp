@@ -7,7 +7,7 @@ namespace foreview {
 namespace {
 
 // In heights of text. Less than this for the picture, and panels would hide what they are for.
-constexpr float kLeastViewWidth = 20, kLeastViewHeight = 15;
+constexpr float kLeastViewWidth = 24, kLeastViewHeight = 15;
 
 }  // namespace
 

@@ -52,8 +52,7 @@ void show_status_panel(const PanelInput& input) {
   show_display(status, input.em);
   show_extraction(status, input.em);
   show_source(status);
-  widgets::fact("Memory: textures / process",
-                bytes_text(status.texture_bytes) + " / " + bytes_text(status.process_bytes));
+  widgets::fact("Memory: textures / all", bytes_text(status.texture_bytes) + " / " + bytes_text(status.process_bytes));
   ImGui::PushTextWrapPos(0);
   ImGui::TextDisabled("%s", status.renderer.c_str());
   ImGui::PopTextWrapPos();

@@ -37,9 +37,19 @@ void show_scrubber(const PanelInput& input, float width) {
   const Duration span = clock.last() - clock.first();
   const auto length = static_cast<float>(std::max(span.seconds(), 1e-3));
   auto position = static_cast<float>((input.status.now - clock.first()).seconds());
-  ImGui::SetNextItemWidth(width);
-  const std::string text = time_text(Duration::from_seconds(static_cast<double>(position))) + " / " + time_text(span);
-  if (ImGui::SliderFloat("##time", &position, 0, length, text.c_str(), ImGuiSliderFlags_NoInput)) {
+  // Beside the line, where the grab does not cover it; where there is no room for that, the window's title has it.
+  const std::string whole = time_text(span), text = time_text(input.status.now - clock.first()) + " / " + whole;
+  const float beside = ImGui::CalcTextSize((whole + " / " + whole).c_str()).x + ImGui::GetStyle().ItemSpacing.x;
+  const bool has_room = width - beside > input.em * 6;
+  if (has_room) {
+    const float right = ImGui::GetCursorPosX() + beside - ImGui::GetStyle().ItemSpacing.x;
+    ImGui::SetCursorPosX(right - ImGui::CalcTextSize(text.c_str()).x);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::SameLine();
+  }
+  ImGui::SetNextItemWidth(has_room ? width - beside : width);
+  if (ImGui::SliderFloat("##time", &position, 0, length, "", ImGuiSliderFlags_NoInput)) {
     control.scrub(clock.first() + Duration::from_seconds(static_cast<double>(position)));
   }
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
@@ -64,7 +74,9 @@ void show_speed(const PanelInput& input, float width) {
   if (ImGui::BeginCombo("##speed", text, ImGuiComboFlags_HeightLarge)) {
     for (const double speed : ViewerControl::kSpeeds) {
       std::snprintf(text, sizeof text, "%gx", speed);
-      if (ImGui::Selectable(text, speed == clock.speed())) clock.set_speed(speed);
+      const bool is_chosen = speed == clock.speed();
+      if (ImGui::Selectable(text, is_chosen)) clock.set_speed(speed);
+      if (is_chosen) ImGui::SetItemDefaultFocus();
     }
     ImGui::EndCombo();
   }

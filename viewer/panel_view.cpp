@@ -51,6 +51,7 @@ void show_camera(const PanelInput& input) {
   if (ImGui::BeginCombo("##camera", name)) {
     for (const Entry& entry : kEntries) {
       if (ImGui::Selectable(entry.name, entry.mode == mode)) input.control.set_camera_mode(entry.mode);
+      if (entry.mode == mode) ImGui::SetItemDefaultFocus();
       widgets::tooltip(entry.tip);
     }
     ImGui::EndCombo();

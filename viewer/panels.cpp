@@ -3,6 +3,8 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 #include "foreview/viewer/interface_theme.h"
 #include "foreview/viewer/interface_widgets.h"
@@ -29,27 +31,39 @@ void section(const char* name, bool open, void (*show)(const PanelInput&), const
   ImGui::PopID();
 }
 
+/// At the top, so that no window is too low for it.
+void show_actions(const PanelInput& input) {
+  struct Entry {
+    const char* name;
+    ViewerAction action;
+    const char* tip;
+  };
+  constexpr std::array<Entry, 4> kEntries{
+      Entry{"Save", ViewerAction::save_picture, "What is shown, in the camera's own size, as PNG"},
+      Entry{"Copy", ViewerAction::copy_command,
+            "The command line that shows the same without a window, into the clipboard"},
+      Entry{"Keys", ViewerAction::toggle_help, "All keys"},
+      Entry{"Hide", ViewerAction::toggle_panels, "The panels; the same key shows them again"},
+  };
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float width = (ImGui::GetContentRegionAvail().x - gap * (kEntries.size() - 1)) / kEntries.size();
+  for (const Entry& entry : kEntries) {
+    if (&entry != kEntries.data()) ImGui::SameLine(0, gap);
+    if (ImGui::Button(entry.name, {width, 0})) input.control.act(entry.action);
+    widgets::tooltip(std::string(entry.tip) + " (" + keys_of(entry.action) + ")");
+  }
+}
+
 void show_side(const PanelInput& input, const PanelLayout& layout) {
   place(layout.side);
   if (ImGui::Begin("Panels", nullptr, kFixed)) {
+    show_actions(input);
+    ImGui::Dummy({0, input.em * 0.1F});
     section("View", true, show_view_panel, input);
     section("Link", true, show_link_panel, input);
     if (input.control.settings().probe) section("Polygon under the cursor", true, show_polygon_panel, input);
     section("Status", true, show_status_panel, input);
     section("Extraction", false, show_extraction_panel, input);
-    ImGui::Dummy({0, input.em * 0.2F});
-    const float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-    if (ImGui::Button("Save picture", {width, 0})) input.control.act(ViewerAction::save_picture);
-    widgets::tooltip("What is shown, in the camera's own size, as PNG (" + keys_of(ViewerAction::save_picture) + ")");
-    ImGui::SameLine();
-    if (ImGui::Button("Copy command", {width, 0})) input.control.act(ViewerAction::copy_command);
-    widgets::tooltip("The command line that shows the same without a window, into the clipboard (" +
-                     keys_of(ViewerAction::copy_command) + ")");
-    if (ImGui::Button("Keys", {width, 0})) input.control.act(ViewerAction::toggle_help);
-    widgets::tooltip("All keys (" + keys_of(ViewerAction::toggle_help) + ")");
-    ImGui::SameLine();
-    if (ImGui::Button("Hide panels", {width, 0})) input.control.act(ViewerAction::toggle_panels);
-    widgets::tooltip("and show them again: " + keys_of(ViewerAction::toggle_panels));
   }
   ImGui::End();
 }

@@ -66,7 +66,17 @@ TEST(KeyMap, Names) {
   EXPECT_EQ(to_string(KeyChord{'c', false, true}), "Ctrl+C");
   EXPECT_EQ(to_string(KeyChord{KeyChord::left, true, false}), "Shift+Left");
   EXPECT_EQ(to_string(KeyChord{KeyChord::f1 + 10, false, false}), "F11");
-  EXPECT_EQ(keys_of(ViewerAction::quit), "Esc, Q");
+  EXPECT_EQ(keys_of(ViewerAction::quit), "Esc / Q");
+}
+
+TEST(KeyMap, NoKeyPassesForPunctuation) {
+  EXPECT_EQ(keys_of(ViewerAction::split_left), "Comma");
+  EXPECT_EQ(keys_of(ViewerAction::slower), "Minus");
+  for (const KeyRow& row : key_rows()) {
+    for (const char* unclear : {",,", ", ,", ", .", "-,", "- /"}) {
+      EXPECT_EQ(row.keys.find(unclear), std::string::npos) << row.keys;
+    }
+  }
 }
 
 TEST(KeyMap, TablesSayTheSame) {

@@ -70,14 +70,14 @@ TEST(ViewerStatus, MemoryOfThisProcess) {
 
 TEST(PanelLayout, FillsTheWindowWithoutOverlap) {
   for (const float em : {15.0F, 30.0F}) {
-    const PanelLayout layout = lay_out_panels(1280, 800, em, true);
+    const PanelLayout layout = lay_out_panels(1440, 900, em, true);
     ASSERT_TRUE(layout.panels);
-    EXPECT_EQ(layout.view.width + layout.side.width, 1280);
-    EXPECT_EQ(layout.view.height + layout.timeline.height, 800);
+    EXPECT_EQ(layout.view.width + layout.side.width, 1440);
+    EXPECT_EQ(layout.view.height + layout.timeline.height, 900);
     EXPECT_EQ(layout.side.x, layout.view.width);
     EXPECT_EQ(layout.timeline.y, layout.view.height);
     EXPECT_EQ(layout.timeline.width, layout.view.width);
-    EXPECT_EQ(layout.side.height, 800);
+    EXPECT_EQ(layout.side.height, 900);
   }
 }
 
