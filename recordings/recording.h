@@ -17,6 +17,8 @@
 
 namespace foreview {
 
+class Disk;
+
 /// Poses over time: between stamps interpolated, outside the covered time none (never extrapolated).
 class Trajectory {
  public:
@@ -139,6 +141,10 @@ class Recording {
 
 /// Writes a recording; every file is whole at any moment (written beside and renamed; list lines appended only after
 /// their picture). Throws InputError naming the file where the disk refuses.
+///
+/// Durable, it holds that also where the power is cut: a picture is listed by commit() only, which first brings all
+/// pictures, then all poses, then the lists to where no power cut takes them. What is listed is whole, with its poses;
+/// what was committed is listed. What was added since the last commit() may be lost, and then nothing speaks of it.
 class RecordingWriter {
  public:
   struct Description {
@@ -155,6 +161,8 @@ class RecordingWriter {
     std::string initial_textures;                                   ///< relative; may be empty
     StampMeaning stamp_meaning = StampMeaning::middle_of_exposure;  ///< of the stamps given to add_picture
     Duration exposure;                                              ///< needed where stamps mean the start of exposure
+    bool is_durable = false;
+    Disk* disk = nullptr;  ///< none: real_disk(). Must outlive the writer
   };
   /// Creates the directory. Throws InputError where it holds a recording already, and on names that cannot be files'.
   RecordingWriter(const std::filesystem::path& directory, const Description& description);
@@ -170,7 +178,10 @@ class RecordingWriter {
   /// Once, before add_joints(); names without commas and line ends.
   void set_joint_names(const std::vector<std::string>& names);
   void add_joints(Timestamp stamp, const std::vector<double>& positions);
-  /// Writes what is buffered. Called by the destructor too, which swallows errors.
+  /// Writes what is buffered; durable, for good. Returns how many pictures were listed since the last time it was
+  /// called. Durable, once syncing has failed nothing more is listed: what the disk then holds is not known.
+  std::size_t commit();
+  /// commit(), at the end. Called by the destructor too, which swallows errors.
   void finish();
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;

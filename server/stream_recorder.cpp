@@ -120,7 +120,7 @@ struct StreamRecorder::State {
     std::unique_lock lock(mutex);
     while (counts.error.empty()) {
       if (!waiting_for().empty()) {
-        if (is_stopping) return;
+        if (is_stopping) break;
         work.wait_for(lock, std::chrono::milliseconds(100));
         continue;
       }
@@ -153,28 +153,32 @@ struct StreamRecorder::State {
       std::size_t damaged = 0, written = 0;
       std::string error;
       try {
-        write(some_poses, some_joints, some_pictures, written, damaged);
+        write(some_poses, some_joints, some_pictures, damaged);
       } catch (const InputError& failure) {
         error = failure.what();
+      }
+      try {
+        // Also of what was written before an error.
+        if (writer) written = writer->commit();
+      } catch (const InputError& failure) {
+        if (error.empty()) error = failure.what();
       }
       lock.lock();
       counts.written += written;
       counts.damaged += damaged;
       counts.error = error;
+      if (!error.empty()) counts.unwritten += some_pictures.size() - written - damaged;
     }
-    lock.unlock();
-    try {
-      if (writer) writer->finish();
-    } catch (const InputError& failure) {
-      lock.lock();
-      counts.error = failure.what();
-    }
+    // After an error, or where it never began, nobody takes what still waits.
+    counts.unwritten += waiting.size();
+    waiting.clear();
+    waiting_bytes = 0;
   }
 
   // Without `mutex`, in the worker.
 
   void write(const std::deque<PoseSample>& some_poses, const std::deque<JointStateMessage>& some_joints,
-             const std::vector<Waiting>& some_pictures, std::size_t& written, std::size_t& damaged) {
+             const std::vector<Waiting>& some_pictures, std::size_t& damaged) {
     if (!writer) open_writer();
     for (const PoseSample& sample : some_poses) {
       if (sample.part.empty()) {
@@ -184,7 +188,7 @@ struct StreamRecorder::State {
       }
     }
     for (const JointStateMessage& message : some_joints) write_joints(message);
-    for (const Waiting& picture : some_pictures) ++(write_picture(picture) ? written : damaged);
+    for (const Waiting& picture : some_pictures) damaged += write_picture(picture) ? 0 : 1;
   }
 
   void open_writer() {
@@ -196,6 +200,8 @@ struct StreamRecorder::State {
       recorded.back().name = options.cameras[i].name;
       description.cameras.push_back({options.cameras.size() == 1 ? "" : options.cameras[i].name, recorded.back()});
     }
+    description.is_durable = true;
+    description.disk = options.disk;
     writer.emplace(options.directory, description);
   }
 
@@ -269,6 +275,10 @@ void StreamRecorder::on_picture(std::size_t camera, EncodedPicture picture, cons
     const std::lock_guard lock(state_->mutex);
     State& state = *state_;
     ++state.counts.pictures_in;
+    if (!state.counts.error.empty()) {
+      ++state.counts.unwritten;
+      return;
+    }
     if (state.options.cameras.at(camera).frame.empty()) state.frames[camera] = header_of(picture).frame;
     state.newest_picture = std::max(state.newest_picture, header_of(picture).stamp);
     state.waiting_bytes += bytes_of(picture);

@@ -8,10 +8,13 @@
 
 namespace foreview {
 
+class Disk;
+
 /// Writes what comes in live into a recording, in a thread of its own. It begins when every camera's model is known; of
 /// each camera it keeps the pictures as they came (raw ones as PNG), whole ones of the right size only, once their pose
-/// is known, and the camera's pose at every step of tf. At any moment all that is written is readable: pictures are
-/// listed after they are written, and poses before. A model of another size in mid-stream is not recorded: its pictures
+/// is known, and the camera's pose at every step of tf. It writes durably (RecordingWriter), what has come since the
+/// last time in one commit: whether the process is killed, the disk is full or the power is cut, what is listed is
+/// whole and what is counted as written is listed. A model of another size in mid-stream is not recorded: its pictures
 /// count as damaged.
 class StreamRecorder final : public LiveSink {
  public:
@@ -29,6 +32,7 @@ class StreamRecorder final : public LiveSink {
     std::vector<std::string> parts;  ///< of the model: those with a frame of their name are recorded
     Duration state_wait{2'000'000'000};
     std::size_t waiting_bytes = std::size_t{512} << 20;
+    Disk* disk = nullptr;  ///< none: the machine's
   };
   /// Throws InputError where there is no camera.
   explicit StreamRecorder(Options options);
@@ -41,9 +45,12 @@ class StreamRecorder final : public LiveSink {
   void on_joints(const JointStateMessage& joints) override;
 
   struct Status {
-    std::size_t pictures_in = 0, written = 0;
+    /// = written + damaged + stateless + overflowed + unwritten + those that wait.
+    std::size_t pictures_in = 0;
+    std::size_t written = 0;  ///< and listed
     std::size_t damaged = 0, stateless = 0;
     std::size_t overflowed = 0;  ///< the disk did not keep up
+    std::size_t unwritten = 0;   ///< because of `error`, or because it never began
     std::string waiting_for;     ///< why it has not begun; empty: it has
     std::string error;           ///< why it ended; empty: it goes on
   };
