@@ -86,7 +86,10 @@ void use(const CameraInfoMessage& message) {
 }
 
 void use(const EncodedPicture& message) {
+  const bool looks = looks_like_picture(message), is_whole = looks_whole(message);
+  FUZZ_REQUIRE(looks || !is_whole);
   const cv::Mat picture = decode(message, "picture", {16, 12});
+  FUZZ_REQUIRE(is_whole);  // what can be decoded is never turned away before
   FUZZ_REQUIRE(picture.size() == cv::Size(16, 12) && picture.type() == CV_8UC3);
 }
 

@@ -26,9 +26,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   image.data.assign(data + 16, data + size);
   if (data[15] % 8 == 7) image.data.resize(size * 97);
+  const bool looks = looks_like_picture(image);
   try {
     const cv::Mat picture = decode(image, "topic", expected);
     FUZZ_REQUIRE(picture.size() == expected && picture.type() == CV_8UC3);
+    FUZZ_REQUIRE(looks);
   } catch (const InputError& error) {
     FUZZ_REQUIRE(std::string(error.what()).find('\n') == std::string::npos);
   }
