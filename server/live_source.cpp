@@ -303,13 +303,14 @@ struct LiveSource::State {
       }
       const Timestamp done = steady_now();
       lock.lock();
-      is_in_work = false;
       CameraStream& stream = *streams[task->camera];
       if (picture.empty()) {
+        is_in_work = false;
         note_damage(stream, damage);
         continue;
       }
       if (task->generation != generation) {
+        is_in_work = false;
         ++counts.overwritten;
         continue;
       }
@@ -326,8 +327,17 @@ struct LiveSource::State {
       decoding.add(done - begun);
       time_available = time_available + (done - waiting.due);
       time_decoding = time_decoding + (done - begun);
-      stream.offered.put(
-          {{picture, task->model, task->state}, task->camera, waiting.index, received, generation, false});
+      IncomingFrame frame{{std::move(picture), std::move(task->model), std::move(task->state)},
+                          task->camera,
+                          waiting.index,
+                          received,
+                          generation,
+                          false};
+      // Without the lock: giving back the memory of the picture that is displaced takes milliseconds.
+      lock.unlock();
+      stream.offered.put(std::move(frame));
+      lock.lock();
+      is_in_work = false;
     }
   }
 

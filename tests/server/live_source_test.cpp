@@ -223,6 +223,7 @@ TEST(LiveSource, GarbageThatIsNewerDisplacesNoPicture) {
     robot.send_pose(2 * i);
     robot.send_pose(2 * i + 1);
     ASSERT_TRUE(robot.is_picture(take_soon(robot.source), 2 * i)) << i;
+    ASSERT_TRUE(settled(robot.source));
   }
   EXPECT_EQ(robot.source.status().damaged, 20U);
   expect_balance(robot.source);
@@ -318,6 +319,53 @@ TEST(LiveSource, GarbageNeitherStopsNorFillsIt) {
     frame = robot.source.take();
   }
   EXPECT_TRUE(frame);
+  expect_balance(robot.source);
+}
+
+TEST(LiveSource, ReaderDoesNotWaitForASlowDecoder) {
+  LiveRobot robot;
+  robot.size = {4000, 3000};
+  robot.send_info();
+  cv::Mat noise(robot.size, CV_8UC3);
+  cv::RNG random(3);
+  random.fill(noise, cv::RNG::UNIFORM, 0, 256);
+  std::vector<std::uint8_t> encoded;
+  cv::imencode(".jpg", noise, encoded);
+  // There is always a picture to decode, and a reader who asks all that a display asks, as fast as it can.
+  std::vector<Duration> waits;
+  std::size_t while_decoding = 0;
+  int sent = 0;
+  std::size_t taken = 0;
+  while (taken < 5) {
+    if (!robot.source.status().is_decoding) {
+      robot.send_pose(sent);
+      robot.source.on_picture(0, CompressedImageMessage{{LiveRobot::stamp(sent), "optical"}, "jpeg", encoded},
+                              robot.reception());
+      ASSERT_LT(++sent, 100);
+    }
+    const Timestamp begun = steady_now();
+    if (robot.source.take()) ++taken;
+    const SourceStatus status = robot.source.status();
+    static_cast<void>(robot.source.predicted_state(robot.source.time_at(begun)));
+    static_cast<void>(robot.source.camera_model(0));
+    waits.push_back(steady_now() - begun);
+    if (status.is_decoding) ++while_decoding;
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+  }
+  std::sort(waits.begin(), waits.end());
+  const Duration decoding = robot.source.latency().decoding_median, p95 = waits[waits.size() * 95 / 100];
+  const auto ms = [](Duration duration) { return static_cast<double>(duration.nanoseconds) * 1e-6; };
+  std::printf(
+      "decoding %.1f ms; %zu asked meanwhile; waited: median %.4f ms, p95 %.4f ms, p99 %.3f ms, longest %.2f ms\n",
+      ms(decoding), while_decoding, ms(waits[waits.size() / 2]), ms(p95), ms(waits[waits.size() * 99 / 100]),
+      ms(waits.back()));
+  RecordProperty("decoding_us", static_cast<int>(ms(decoding) * 1000));
+  RecordProperty("wait_p99_us", static_cast<int>(ms(waits[waits.size() * 99 / 100]) * 1000));
+  ASSERT_GT(decoding, milliseconds(10));
+  EXPECT_GT(while_decoding, 20U);
+  EXPECT_LT(p95.nanoseconds, decoding.nanoseconds / 4);
+  ASSERT_TRUE(settled(robot.source));
+  static_cast<void>(robot.source.take());
   expect_balance(robot.source);
 }
 
