@@ -28,8 +28,12 @@ namespace foreview {
 ///    [l, u]. For each of the four surfaces, continued to the middle of the cell, h = 0.5 (|a| + |b|): its 1/z within
 ///    the cell is [w - h, w + h], kept within its range; l and u are the least and greatest of all four, l (1 -
 ///    kRounding) and u (1 + kRounding). With suppression l is at least (1 - kGap) times the greatest R of the four
-///    pixels. A cell with an open pair among its four edges, or an unusable pixel, or that shows no surface, takes
-///    nothing. (l, u and R are stored as half floats.)
+///    pixels. A cell with an unusable pixel, or that shows no surface, takes nothing. One with an open pair among its
+///    four edges, or all of which suppression makes unsafe, takes only texels of *thin* polygons, without suppression.
+///    Thin is a polygon wholly before the near plane whose projection's area, times four, is less than its perimeter,
+///    and that is at most kThinPerimeter: narrower than a pixel, it may own no pixel's centre, is mostly seen beside a
+///    contour, and would never get a colour (spec 5 leaves very small textures alone, too). What is longer is seen
+///    edge-on, and better from elsewhere. (l, u and R are stored as half floats.)
 /// 5. *Gather and fuse*: every texel whose centre lies in a polygon that shows its front, or within kChartGutter texels
 ///    of an edge of it that is the chart's outline, beside the edge or beyond a corner of two such edges (a polygon's
 ///    own texels win over others' gutter), is the point of the polygon's plane above it, with 1/z = w at the pixel (u,
@@ -45,15 +49,15 @@ namespace foreview {
 ///    looked, its own colours appear, and what older pictures left beside them changes with it. The gain is found
 ///    before the gather (1 for the first picture). Of every 16 x 16 texels of a chart, the texel of level 2 that lies
 ///    nearest to the middle and wholly under a polygon's front (else: with its centre) is a *sample*, if its patch can
-///    be changed by the picture, all of it was observed, and its centre could take a colour. It remembers what was
-///    observed there as a running mean (a tenth new each time it is a sample; compared with the last picture alone,
-///    gains drift: 0.06 dB on kitchen; anew where it differed by more than a factor of exp(0.14) from its picture), and
-///    e = exposed(that, last gain) is compared with c, the mean of four bilinear samples of the picture in it. Counted
-///    is if all channels of both lie within 16..235 / 255 and differ by a factor of at most exp(0.3). The channel's
-///    change is exp(sum(c - e) / sum of the means of f(c) and f(e)), f(c) = c (1 - c^4), over those within a factor of
-///    exp(0.14) of the median weighted by these means (in bins of 0.005): so what changes its colour has no say, and
-///    noise leans to neither side. Fewer than 48 samples change nothing, and the gain stays within 1/3..3. A late
-///    picture is given a gain, too, but decides nothing about what is shown.
+///    be changed by the picture, all of it was observed, and its centre could take a colour even if no polygon were
+///    thin. It remembers what was observed there as a running mean (a tenth new each time it is a sample; compared with
+///    the last picture alone, gains drift: 0.06 dB on kitchen; anew where it differed by more than a factor of
+///    exp(0.14) from its picture), and e = exposed(that, last gain) is compared with c, the mean of four bilinear
+///    samples of the picture in it. Counted is if all channels of both lie within 16..235 / 255 and differ by a factor
+///    of at most exp(0.3). The channel's change is exp(sum(c - e) / sum of the means of f(c) and f(e)), f(c) = c (1 -
+///    c^4), over those within a factor of exp(0.14) of the median weighted by these means (in bins of 0.005): so what
+///    changes its colour has no say, and noise leans to neither side. Fewer than 48 samples change nothing, and the
+///    gain stays within 1/3..3. A late picture is given a gain, too, but decides nothing about what is shown.
 /// 6. *Pull*: level k's texel is the mean of the observed colours among its 4 children, each weighted by the share of
 /// it
 ///    that was observed; alpha is that share (at least 1/255 if any). 16 x 16 texels make one of level 4;
@@ -76,9 +80,10 @@ namespace foreview {
 class BatchedExtraction final : public ExtractionPipeline {
  public:
   static constexpr unsigned kSpreadEvery = 8;
-  static constexpr float kGap = 0.01F;       ///< relative: steps of depth that make a contour
-  static constexpr float kRounding = 1e-3F;  ///< relative: what half floats cost
-  static constexpr double kFootprint = 2;    ///< pixels per texel, from which on one sample is too few
+  static constexpr float kGap = 0.01F;          ///< relative: steps of depth that make a contour
+  static constexpr float kRounding = 1e-3F;     ///< relative: what half floats cost
+  static constexpr double kFootprint = 2;       ///< pixels per texel, from which on one sample is too few
+  static constexpr double kThinPerimeter = 64;  ///< pixels, at most
 
   /// The store must outlive the pipeline. Throws InputError where the options are out of range, or ask for a variant
   /// that only PerPolygonExtraction has (bilinear suppression, iterative filling or none).

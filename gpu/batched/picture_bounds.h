@@ -41,7 +41,7 @@ class PictureBounds {
     return (camera.height - 1 + kCoarse - 1) / kCoarse;
   }
 
-  /// GL_RG16F: least and greatest 1/z, one texel a cell.
+  /// GL_RG16F: least and greatest 1/z, one texel a cell; the greatest negative where they hold for thin polygons only.
   [[nodiscard]] GLuint cells() const { return cells_.id(); }
   /// GL_RG16F: the least and greatest of kCoarse x kCoarse cells.
   [[nodiscard]] GLuint coarse_cells() const { return coarse_.id(); }

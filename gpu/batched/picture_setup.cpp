@@ -8,6 +8,21 @@
 #include "foreview/gpu/batched/batched_extraction.h"
 
 namespace foreview::batched {
+namespace {
+
+/// Of a projected polygon's corners, pixels: rule 5.
+bool is_thin(const std::vector<glm::dvec2>& corners) {
+  double twice_area = 0, perimeter = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const glm::dvec2& a = corners[i];
+    const glm::dvec2& b = corners[i + 1 < corners.size() ? i + 1 : 0];
+    twice_area += (a.x - corners[0].x) * (b.y - corners[0].y) - (b.x - corners[0].x) * (a.y - corners[0].y);
+    perimeter += glm::distance(a, b);
+  }
+  return 2 * std::abs(twice_area) < perimeter && perimeter <= BatchedExtraction::kThinPerimeter;
+}
+
+}  // namespace
 
 PictureSetup::PictureSetup(const PolygonModel& model, const ChartLayout& layout, const ChartGeometry& geometry)
     : model_(model),
@@ -92,6 +107,8 @@ void PictureSetup::cull(std::size_t first, std::size_t count) {
     double offset = polygon.offset + glm::dot(normal, view.translation);  // dot(normal, point in camera)
     if (std::abs(offset) < 1e-9) offset = offset < 0 ? -1e-9 : 1e-9;
     double least = 1e300, greatest = 0, top = 1e9, bottom = -1e9;
+    corners_.clear();
+    bool in_front = true;
     for (const std::uint32_t vertex : model_.corners_of(i)) {
       const glm::dvec3& p = model_.vertices()[vertex];
       const double z =
@@ -100,6 +117,10 @@ void PictureSetup::cull(std::size_t first, std::size_t count) {
       const double y =
           view.rotation[0].y * p.x + view.rotation[1].y * p.y + view.rotation[2].y * p.z + view.translation.y;
       const double v = y * w * camera.focal_length.y + camera.principal_point.y;
+      const double x =
+          view.rotation[0].x * p.x + view.rotation[1].x * p.y + view.rotation[2].x * p.z + view.translation.x;
+      corners_.emplace_back(x * w * camera.focal_length.x, v);
+      in_front = in_front && z > near_plane;
       // What is cut at the near plane may be anywhere.
       top = std::min(top, z > near_plane ? v : -1e9);
       bottom = std::max(bottom, z > near_plane ? v : 1e9);
@@ -111,7 +132,8 @@ void PictureSetup::cull(std::size_t first, std::size_t count) {
     by_distance_.emplace_back(static_cast<float>(-greatest), i);
     rows_[i] = {static_cast<float>(top - 1), static_cast<float>(bottom + 1)};
     PlaneOnGpu& plane = planes_[i];
-    plane = {{static_cast<float>(slope.x), static_cast<float>(slope.y), static_cast<float>(normal.z / offset), 0},
+    plane = {{static_cast<float>(slope.x), static_cast<float>(slope.y), static_cast<float>(normal.z / offset),
+              in_front && is_thin(corners_) ? 1.0F : 0.0F},
              {static_cast<float>(least), static_cast<float>(greatest),
               static_cast<float>(std::min(slack, greatest - least)), offset < 0 ? 1.0F : 0.0F}};
     if (offset >= 0) {

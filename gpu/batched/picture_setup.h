@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <utility>
 #include <vector>
 
@@ -67,6 +68,7 @@ class PictureSetup {
   CameraModel camera_;
   double near_plane_ = 0;
   std::vector<PartView> views_;
+  std::vector<glm::dvec2> corners_;  ///< of the polygon at hand, projected
   std::vector<Rows> rows_;
   std::vector<Visible> visible_;
   std::vector<std::pair<float, std::uint32_t>> by_distance_;  ///< least z, polygon

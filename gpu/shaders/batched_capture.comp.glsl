@@ -3,6 +3,7 @@
 layout(local_size_x = 64) in;  // kPatchesPerGroup * kBlocksPerPatch
 #include "batched_common.glsl"
 #include "batched_patches.glsl"
+#include "batched_verdict.glsl"
 struct Sample {
   vec3 position;  // of the texel's centre: metres, part frame, from the part's centre
   uint polygon;   // kNone: there is no such block
@@ -37,8 +38,8 @@ void main() {
   vec2 pixel = focal_length * p.xy * w + principal_point;
   if (any(lessThan(pixel, vec2(0.5))) || any(greaterThan(pixel, picture_size - 0.5))) return;
   vec2 limits = texelFetch(bounds, clamp(ivec2(pixel - 0.5), ivec2(0), ivec2(picture_size) - 2), 0).rg;
-  vec4 range = planes[own.polygon].range;
-  if (range.w == 0.0 || limits.x > limits.y || w + range.z < limits.x || w - range.z > limits.y) return;
+  Plane plane = planes[own.polygon];
+  if (plane.range.w == 0.0 || !may_take(limits, w, plane.range.z, plane.inverse_z.w > 0.5)) return;
   ivec3 at = ivec3((patches[index].rect.xy >> 4) + ivec2(block & 1u, block >> 1), place.x);
   // A late picture only gives what was never observed.
   if (any_late && (late_charts[place.y / 32] >> (place.y % 32) & 1u) != 0u &&

@@ -7,7 +7,7 @@ layout(binding = 1) uniform sampler2D spread;
 layout(binding = 2) uniform sampler2D picture;  // alpha: usable
 layout(location = 0) uniform float gap;
 layout(location = 1) uniform float rounding;
-layout(location = 0) out vec2 bounds;  // least and greatest 1/z
+layout(location = 0) out vec2 bounds;  // least and greatest 1/z; the latter negative where only thin polygons may take anything
 
 const float kNever = 60000.0;  // finite in half floats, and no surface's 1/z
 
@@ -31,8 +31,8 @@ void main() {
   bool open = is_open(a, range_a, b, vec2(1, 0), gap) || is_open(c, range_c, d, vec2(1, 0), gap) ||
               is_open(a, range_a, c, vec2(0, 1), gap) || is_open(b, range_b, d, vec2(0, 1), gap);
   // Where nothing is, polygons seen edge-on, whose 1/z may be anything within a pixel, must not take the void's colour.
-  open = open || hull.y <= 0.0;
-  float least = hull.x * (1.0 - rounding);
+  bool never = hull.y <= 0.0;
+  float own_least = hull.x * (1.0 - rounding), greatest = hull.y * (1.0 + rounding), least = own_least;
 #ifdef SUPPRESS
   float nearest_rim = max(max(texelFetch(spread, p, 0).r, texelFetch(spread, p + ivec2(1, 0), 0).r),
                           max(texelFetch(spread, p + ivec2(0, 1), 0).r, texelFetch(spread, p + ivec2(1, 1), 0).r));
@@ -41,7 +41,8 @@ void main() {
 #ifdef DISTORTED
   float usable = min(min(texelFetch(picture, p, 0).a, texelFetch(picture, p + ivec2(1, 0), 0).a),
                      min(texelFetch(picture, p + ivec2(0, 1), 0).a, texelFetch(picture, p + ivec2(1, 1), 0).a));
-  open = open || usable < 0.5;
+  never = never || usable < 0.5;
 #endif
-  bounds = open ? vec2(kNever, 0.0) : vec2(least, hull.y * (1.0 + rounding));
+  bool thin_only = open || least > greatest;
+  bounds = never ? vec2(kNever, 0.0) : thin_only ? vec2(own_least, -greatest) : vec2(least, greatest);
 }

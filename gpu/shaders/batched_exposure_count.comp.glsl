@@ -5,6 +5,7 @@ layout(local_size_x = 64) in;
 #include "batched_patches.glsl"
 #include "batched_exposure.glsl"
 #include "exposure_curve.glsl"
+#include "batched_verdict.glsl"
 struct Sample {
   vec3 position;  // of the texel's centre: metres, part frame, from the part's centre
   uint polygon;   // kNone: there is no sample
@@ -64,8 +65,7 @@ void main() {
   vec2 pixel = focal_length * p.xy * w + principal_point;
   if (any(lessThan(pixel, vec2(1.0))) || any(greaterThan(pixel, picture_size - 1.0))) return;
   vec2 limits = texelFetch(bounds, clamp(ivec2(pixel - 0.5), ivec2(0), last_cell), 0).rg;
-  float slack = planes[own.polygon].range.z;
-  if (limits.x > limits.y || w + slack < limits.x || w - slack > limits.y) return;
+  if (!may_take(limits, w, planes[own.polygon].range.z, false)) return;
 
   uint slot = index * kSamplesPerPatch + gl_GlobalInvocationID.x % kSamplesPerPatch;
   vec4 reference = references[slot];

@@ -1,18 +1,19 @@
 #version 450 core
 // Rule 5. Without FOOTPRINT only for texels smaller than a pixel.
 #include "exposure.glsl"
+#include "batched_verdict.glsl"
 layout(binding = 0) uniform sampler2D picture;  // bilinear
 layout(binding = 1) uniform sampler2D bounds;
 layout(location = 3) uniform float near_plane;  // metres
 layout(location = 5) uniform ivec2 last_cell;
 layout(location = 6) uniform vec2 pixel_to_uv;
 noperspective in vec3 v_homogeneous;
-flat in float v_slack;
+flat in vec2 v_slack;
 layout(location = 0) out vec4 colour;
 
 bool is_safe(float w, vec2 pixel) {
   vec2 limits = texelFetch(bounds, clamp(ivec2(pixel - 0.5), ivec2(0), last_cell), 0).rg;
-  return limits.x <= limits.y && w + v_slack >= limits.x && w - v_slack <= limits.y;
+  return may_take(limits, w, v_slack.x, v_slack.y > 0.5);
 }
 
 void main() {

@@ -19,13 +19,13 @@ layout(location = 7) uniform uint picture_number;
 layout(location = 8) uniform int page;              // only this one; not with LAYERED
 out float gl_ClipDistance[5];
 noperspective out vec3 v_homogeneous;  // pixel times z, z; linear over the chart
-flat out float v_slack;                // 1/m: how much 1/z changes within a pixel
+flat out vec2 v_slack;                 // 1/m: how much 1/z changes within a pixel; 1 if its polygon is thin
 
 void main() {
   vec3 p = (camera_from_part[part] * vec4(position, 1.0)).xyz;
   vec3 h = vec3(focal_length * p.xy + principal_point * p.z, p.z);
   v_homogeneous = h;
-  v_slack = planes[polygon].range.z;
+  v_slack = vec2(planes[polygon].range.z, planes[polygon].inverse_z.w);
   gl_Position = vec4(texel * texels_to_clip - 1.0, 0.0, 1.0);
   bool drawn = is_touched(patch_index, picture_number);
 #ifdef LAYERED

@@ -147,12 +147,13 @@ void BatchedComparison::compare_picture(const BatchedPicture& oracle, const Batc
       const Cell& cell = oracle.cells.at(x, y);
       const auto& found = gl.cells.at<cv::Vec2f>(y, x);
       ++figures_.cells;
-      if (!cell.takes_nothing()) ++figures_.open_cells;
-      if (cell.takes_nothing() != (found[0] > found[1])) {
+      const bool found_none = found[0] > found[1], found_none_thin = found[0] > std::abs(found[1]);
+      if (!cell.takes_nothing(false)) ++figures_.open_cells;
+      if (cell.takes_nothing(false) != found_none || cell.takes_nothing(true) != found_none_thin) {
         ++figures_.wrong_cells;
-      } else if (!cell.takes_nothing()) {
-        figures_.cell_bounds.push_back(
-            std::max(relative_difference(found[0], cell.least), relative_difference(found[1], cell.greatest)));
+      } else if (!cell.takes_nothing(true)) {
+        figures_.cell_bounds.push_back(std::max(relative_difference(found[0], cell.least),
+                                                relative_difference(std::abs(found[1]), cell.greatest)));
       }
     }
   }
@@ -164,7 +165,7 @@ void BatchedComparison::compare_texels(const CameraFrame& frame, const BatchedPi
   for (int y = 0; y < gl_cells.height; ++y) {
     for (int x = 0; x < gl_cells.width; ++x) {
       const auto& c = gl.cells.at<cv::Vec2f>(y, x);
-      gl_cells.at(x, y) = {c[0], c[1]};
+      gl_cells.at(x, y) = {c[0], std::abs(c[1]), c[1] < 0};
     }
   }
   const ColourImage gl_picture = colours_of(gl.undistorted);

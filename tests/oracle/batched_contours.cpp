@@ -12,6 +12,23 @@ namespace {
 
 constexpr double kEdgeDoubt = 1.0 / 64;  // pixels that a rasteriser may move an edge by, and more
 
+bool is_thin(const PolygonModel& model, std::size_t polygon, const CameraModel& camera, const Pose& camera_from_part,
+             double near_plane) {
+  std::vector<glm::dvec2> pixels;
+  for (std::size_t i = 0; i < model.polygons()[polygon].corner_count; ++i) {
+    const glm::dvec3 corner = camera_from_part * model.corner(polygon, i);
+    if (corner.z <= near_plane) return false;
+    pixels.push_back(camera.focal_length * glm::dvec2(corner) / corner.z);
+  }
+  double area = 0, perimeter = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const glm::dvec2 &p = pixels[i], &q = pixels[(i + 1) % pixels.size()];
+    area += (p.x * q.y - q.x * p.y) / 2;
+    perimeter += glm::distance(p, q);
+  }
+  return 4 * std::abs(area) < perimeter && perimeter <= kBatchedThinPerimeter;
+}
+
 }  // namespace
 
 double InverseRange::keep(double w) const {
@@ -39,6 +56,7 @@ PictureSurface picture_surface(const PolygonModel& model, std::size_t polygon, c
     result.range.least = i == 0 ? w : std::min(result.range.least, w);
     result.range.greatest = std::max(result.range.greatest, w);
   }
+  result.thin = is_thin(model, polygon, camera, camera_from_part, near_plane);
   result.doubt = deviation / std::abs(offset);
   return result;
 }
@@ -145,10 +163,10 @@ Image<Cell> cells(const Image<Surface>& surfaces, const AlphaImage* unsafe, cons
   Image<Cell> result(surfaces.width - 1, surfaces.height - 1);
   for (int y = 0; y < result.height; ++y) {
     for (int x = 0; x < result.width; ++x) {
-      if (is_open(surfaces.at(x, y), surfaces.at(x + 1, y), 1, 0)) continue;
-      if (is_open(surfaces.at(x, y + 1), surfaces.at(x + 1, y + 1), 1, 0)) continue;
-      if (is_open(surfaces.at(x, y), surfaces.at(x, y + 1), 0, 1)) continue;
-      if (is_open(surfaces.at(x + 1, y), surfaces.at(x + 1, y + 1), 0, 1)) continue;
+      const bool open = is_open(surfaces.at(x, y), surfaces.at(x + 1, y), 1, 0) ||
+                        is_open(surfaces.at(x, y + 1), surfaces.at(x + 1, y + 1), 1, 0) ||
+                        is_open(surfaces.at(x, y), surfaces.at(x, y + 1), 0, 1) ||
+                        is_open(surfaces.at(x + 1, y), surfaces.at(x + 1, y + 1), 0, 1);
       bool all_usable = true;
       double least = 0, greatest = 0, greatest_unsafe = 0;
       for (const int i : {0, 1, 2, 3}) {
@@ -164,8 +182,11 @@ Image<Cell> cells(const Image<Surface>& surfaces, const AlphaImage* unsafe, cons
       }
       if (!all_usable || greatest <= 0) continue;
       Cell& cell = result.at(x, y);
-      cell.least = std::max(least * (1 - kBatchedRounding), (1 - kBatchedGap) * greatest_unsafe);
+      cell.least = least * (1 - kBatchedRounding);
       cell.greatest = greatest * (1 + kBatchedRounding);
+      const double safe_least = std::max(cell.least, (1 - kBatchedGap) * greatest_unsafe);
+      cell.thin_only = open || safe_least > cell.greatest;
+      if (!cell.thin_only) cell.least = safe_least;
     }
   }
   return result;

@@ -11,6 +11,7 @@ namespace foreview::oracle {
 
 inline constexpr double kBatchedGap = 0.01;
 inline constexpr double kBatchedRounding = 1e-3;
+inline constexpr double kBatchedThinPerimeter = 64;  // pixels
 
 /// 1/z of a polygon's corners, those nearer than the near plane counting as lying on it.
 struct InverseRange {
@@ -27,7 +28,8 @@ struct PictureSurface {
   double origin = 0;    ///< 1/z of the plane at pixel coordinates (0, 0)
   double a = 0, b = 0;  ///< its slopes along u and v, 1/m per pixel
   InverseRange range;
-  double doubt = 0;  ///< relative: how much its corners' distance from the plane and rounding can change 1/z
+  bool thin = false;  ///< rule 5: narrower than a pixel
+  double doubt = 0;   ///< relative: how much its corners' distance from the plane and rounding can change 1/z
   [[nodiscard]] double plane_at(double u, double v) const { return origin + a * u + b * v; }
 };
 [[nodiscard]] PictureSurface picture_surface(const PolygonModel& model, std::size_t polygon, const CameraModel& camera,
@@ -54,7 +56,8 @@ struct Surface {
 /// Rule 4: what 1/z may take colours.
 struct Cell {
   double least = 1, greatest = 0;  ///< takes nothing where least > greatest
-  [[nodiscard]] bool takes_nothing() const { return least > greatest; }
+  bool thin_only = false;          ///< what is between them is for thin polygons
+  [[nodiscard]] bool takes_nothing(bool thin) const { return least > greatest || (thin_only && !thin); }
 };
 /// Cell (x, y) lies between the centres of pixels (x, y) and (x + 1, y + 1). `unsafe`: null without suppression.
 [[nodiscard]] Image<Cell> cells(const Image<Surface>& surfaces, const AlphaImage* unsafe, const Flags& usable);

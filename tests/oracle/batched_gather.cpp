@@ -157,7 +157,7 @@ GatheredTexel gather(const Chart& chart, const PictureSurface& surface, const gl
       }
       const Cell& cell = source.cells->at(x, y);
       const double w = 1 / p.z;
-      all_fit = all_fit && !cell.takes_nothing() && w + slack >= cell.least && w - slack <= cell.greatest;
+      all_fit = all_fit && !cell.takes_nothing(surface.thin) && w + slack >= cell.least && w - slack <= cell.greatest;
       sum += bilinear(*source.colour, pixel_of(p), x, y);
     }
   }

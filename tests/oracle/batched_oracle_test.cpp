@@ -186,10 +186,13 @@ TEST(BatchedCells, HoldWhatTheSurfacesReachWithinThem) {
   EXPECT_NEAR(c.at(23, 11).greatest, (middle + half) * 1.001, 1e-12);
   // With something unsafe at one of its pixels, nothing behind that.
   AlphaImage unsafe(40, 30, 0.0);
+  unsafe.at(24, 12) = middle / 0.99;
+  EXPECT_NEAR(cells(s, &unsafe, usable).at(23, 11).least, middle, 1e-12);
   unsafe.at(24, 12) = 0.26;
   const Image<Cell> suppressed = cells(s, &unsafe, usable);
-  EXPECT_NEAR(suppressed.at(23, 11).least, 0.99 * 0.26, 1e-12);
-  EXPECT_TRUE(suppressed.at(23, 11).takes_nothing());
+  EXPECT_TRUE(suppressed.at(23, 11).takes_nothing(false));
+  EXPECT_FALSE(suppressed.at(23, 11).takes_nothing(true)) << "thin polygons are not suppressed";
+  EXPECT_NEAR(suppressed.at(23, 11).least, c.at(23, 11).least, 1e-12);
   EXPECT_NEAR(suppressed.at(22, 11).least, c.at(22, 11).least, 1e-12);
   unsafe.at(24, 12) = 0.2;
   EXPECT_NEAR(cells(s, &unsafe, usable).at(23, 11).least, c.at(23, 11).least, 1e-12) << "behind the surface itself";
@@ -208,7 +211,11 @@ TEST(BatchedCells, TakeNothingAcrossAContourOrWhereAPixelIsUnusable) {
       const bool beside = x >= 15 && x <= 23 && y >= 10 && y <= 18;
       const bool within = x >= 16 && x <= 22 && y >= 11 && y <= 17;
       const bool unusable = (x == 4 || x == 5) && (y == 5 || y == 6);
-      EXPECT_EQ(c.at(x, y).takes_nothing(), (beside && !within) || unusable) << x << ", " << y;
+      EXPECT_EQ(c.at(x, y).takes_nothing(false), (beside && !within) || unusable) << x << ", " << y;
+      EXPECT_EQ(c.at(x, y).takes_nothing(true), unusable) << x << ", " << y;
+      if (unusable) continue;
+      EXPECT_LT(c.at(x, y).least, within ? 0.5 : 0.25) << x << ", " << y;
+      EXPECT_GT(c.at(x, y).greatest, beside ? 0.5 : 0.25) << x << ", " << y;
     }
   }
 }
@@ -277,6 +284,40 @@ TEST(BatchedGather, TexelsTakeThePictureAtTheirPoint) {
 Extracted wall_and_chip(int passes) {
   return {pinhole(40, 30, 40),
           model_of({facing_rectangle(-1.8, -1.3, 1.8, 1.3, 4), facing_rectangle(-0.2, -0.2, 0.2, 0.2, 2)}), 26, passes};
+}
+
+TEST(BatchedGather, ThinPolygonsTakeColoursBesideContours) {
+  struct Case {
+    const char* what;
+    double width, height, z;  // metres
+    bool thin, taken;
+  };
+  // Beside the chip of 2 m, whose right edge projects to u = 24: with 40 pixels of focal length, 0.05 m there are one.
+  // Half a pixel wide, a strip lies between the centres of two columns of pixels, which show chip and wall.
+  for (const Case& c :
+       {Case{"half a pixel", 0.02, 0.2, 2, true, true}, Case{"a pixel, behind the rim", 0.08, 0.2, 2.5, false, false},
+        Case{"behind the chip's rim, before the wall", 0.02, 0.2, 2.5, true, true},
+        Case{"behind the wall", 0.04, 0.3, 4.5, true, false}}) {
+    const double left = (24.03 - 20) / 40 * c.z, top = -c.height / 2;
+    const Extracted e{pinhole(40, 30, 40),
+                      model_of({facing_rectangle(-1.8, -1.3, 1.8, 1.3, 4), facing_rectangle(-0.2, -0.2, 0.2, 0.2, 2),
+                                facing_rectangle(left, top, left + c.width, top + c.height, c.z)}),
+                      150, 3};
+    EXPECT_EQ(picture_surface(e.model, 2, e.camera, e.frame.state, kNear).thin, c.thin) << c.what;
+    const auto strip = e.gathered(2);
+    int inside = 0, taken = 0;
+    for (std::size_t i = 0; i < strip.texels.values.size(); ++i) {
+      if (!strip.owners.values[i].inside) continue;
+      ++inside;
+      taken += strip.texels.values[i].taken ? 1 : 0;
+    }
+    ASSERT_GT(inside, 20) << c.what;
+    EXPECT_EQ(taken, c.taken ? inside : 0) << c.what;
+  }
+  // Seen edge-on: thin, but long.
+  const PolygonModel edge_on = model_of({{{-1, 0.001, 2}, {1, 0.001, 2}, {1, 0.002, 4}, {-1, 0.002, 4}}});
+  const CameraModel camera = pinhole(40, 30, 40);
+  EXPECT_FALSE(picture_surface(edge_on, 0, camera, at_origin(edge_on), kNear).thin);
 }
 
 TEST(BatchedGather, RefusesWhatLiesBehindARimAndNotTheOccluder) {
