@@ -39,7 +39,7 @@ void show_scrubber(const PanelInput& input, float width) {
   auto position = static_cast<float>((input.status.now - clock.first()).seconds());
   // Beside the line, where the grab does not cover it; where there is no room for that, the window's title has it.
   const std::string whole = time_text(span), text = time_text(input.status.now - clock.first()) + " / " + whole;
-  const float beside = ImGui::CalcTextSize((whole + " / " + whole).c_str()).x + ImGui::GetStyle().ItemSpacing.x;
+  const float beside = ImGui::CalcTextSize((whole + " / " + whole).c_str()).x + 2 * ImGui::GetStyle().ItemSpacing.x;
   const bool has_room = width - beside > input.em * 6;
   if (has_room) {
     const float right = ImGui::GetCursorPosX() + beside - ImGui::GetStyle().ItemSpacing.x;
@@ -93,7 +93,7 @@ void show_timeline(const PanelInput& input) {
     return;
   }
   show_transport(input);
-  const float speed_width = input.em * 4.2F, gap = ImGui::GetStyle().ItemSpacing.x;
+  const float speed_width = input.em * 4.8F, gap = ImGui::GetStyle().ItemSpacing.x;
   show_scrubber(input, std::max(ImGui::GetContentRegionAvail().x - speed_width - gap, input.em * 4));
   ImGui::SameLine();
   show_speed(input, speed_width);

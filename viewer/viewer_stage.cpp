@@ -11,7 +11,7 @@
 namespace foreview {
 namespace {
 
-constexpr int kSmallestWidth = 640;  // small pictures are enlarged to about this
+constexpr float kSmallestWidth = 43;  // in heights of text; small pictures are enlarged to about this
 
 LiveScene::Options scene_options(const ReplayInput& input, const ExtractionOptions& extraction) {
   LiveScene::Options options;
@@ -59,7 +59,7 @@ void ViewerStage::tell_probe(ViewerStatus& status) const {
 
 FrameComposer::Size ViewerStage::wanted_window() const {
   const FrameComposer::Size native = composer_->native_size(control_.settings().choice.mode);
-  const int enlarged = std::max(1, kSmallestWidth / std::max(native.width, 1));
+  const int enlarged = std::max(1, static_cast<int>(kSmallestWidth * interface_.em()) / std::max(native.width, 1));
   FrameComposer::Size size{native.width * enlarged, native.height * enlarged};
   if (control_.settings().panels) {
     size.width += static_cast<int>(std::lround(side_panel_width(interface_.em())));

@@ -176,6 +176,60 @@ TEST_F(ViewerSession, ShowsSomethingBeforeAllIsPrepared) {
   EXPECT_LT(said, seen_after + 0.1);
 }
 
+TEST_F(ViewerSession, PanelsAndPictureAreTwiceAsLargeOnAScreenOfTwiceTheDensity) {
+  const auto picture_at = [&](int dots) {
+    display_.emplace(2000, 1200);
+    display_->set_dots_per_inch(dots);
+    start({"--speed", "100"});
+    wait_for_title("| end");
+    for (int i = 0; i < 50; ++i) {
+      pause(100);
+      const std::string title = display_->title(kWindow).value_or("");
+      if (title.size() > 5 && title.substr(title.size() - 5) == "| end") break;
+    }
+    pause(300);
+    cv::Mat picture = display_->screenshot(kWindow);
+    press("q");
+    EXPECT_EQ(running_->wait(kPatience), 0) << running_->standard_error();
+    return picture;
+  };
+  const cv::Mat once = picture_at(96), twice = picture_at(192);
+  ASSERT_FALSE(once.empty() || twice.empty());
+  // Of the panels, what has no letters: their ground begins where the picture ends, and reaches below it.
+  const auto panel_width = [](const cv::Mat& picture) {
+    const cv::Vec3b ground = picture.at<cv::Vec3b>(picture.rows - 2, picture.cols - 2);
+    int width = 0;
+    while (width < picture.cols && picture.at<cv::Vec3b>(2, picture.cols - 1 - width) == ground) ++width;
+    return width;
+  };
+  EXPECT_EQ(panel_width(once), 323);   // round(21.5 x 15)
+  EXPECT_EQ(panel_width(twice), 645);  // 21.5 x 30
+  EXPECT_EQ(once.cols - 323, 600) << "five times as large as the camera's picture";
+  EXPECT_EQ(twice.cols - 645, 1200) << "ten times";
+}
+
+TEST_F(ViewerSession, FillsTheScreenAndGoesBack) {
+  start({"--loop"});
+  ASSERT_TITLE_COMES("| 0.");
+  const auto becomes = [&](const cv::Size& size) {
+    cv::Mat picture;
+    for (int i = 0; i < 100 && picture.size() != size; ++i) {
+      pause(50);
+      picture = display_->screenshot(kWindow);
+    }
+    return picture.size() == size;
+  };
+  pause(300);
+  const cv::Size before = display_->screenshot(kWindow).size();
+  ASSERT_LT(before.width, 1100);
+  press("F11");
+  EXPECT_TRUE(becomes({1100, 800})) << display_->screenshot(kWindow).size();
+  press("F11");
+  EXPECT_TRUE(becomes(before)) << display_->screenshot(kWindow).size();
+  press("q");
+  EXPECT_EQ(running_->wait(kPatience), 0) << running_->standard_error();
+}
+
 TEST_F(ViewerSession, KeysWorkAfterAClickIntoAPanel) {
   start({"--loop"});
   ASSERT_TITLE_COMES("| 0.");

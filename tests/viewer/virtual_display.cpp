@@ -242,6 +242,15 @@ void VirtualDisplay::destroy_window(const std::string& beginning) const {
   XSync(connection_->display, False);
 }
 
+void VirtualDisplay::set_dots_per_inch(int dots) const {
+  Display* display = connection_->display;
+  const std::string resources = "Xft.dpi:\t" + std::to_string(dots) + "\n";
+  XChangeProperty(display, DefaultRootWindow(display), XInternAtom(display, "RESOURCE_MANAGER", False),
+                  XInternAtom(display, "STRING", False), 8, PropModeReplace,
+                  reinterpret_cast<const unsigned char*>(resources.data()), static_cast<int>(resources.size()));
+  XSync(display, False);
+}
+
 void VirtualDisplay::kill_server() {
   XCloseDisplay(connection_->display);
   connection_->display = nullptr;

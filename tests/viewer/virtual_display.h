@@ -44,6 +44,8 @@ class VirtualDisplay {
   void set_minimised(const std::string& beginning, bool minimised) const;
   /// As another program would.
   void destroy_window(const std::string& beginning) const;
+  /// What programs started from now on take for the screen's density; 96 to begin with.
+  void set_dots_per_inch(int dots) const;
   /// Ends the server as if it had crashed. Nothing else can be asked of this afterwards.
   void kill_server();
 
