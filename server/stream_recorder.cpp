@@ -16,6 +16,7 @@
 #include "foreview/scene/errors.h"
 #include "foreview/server/camera_info.h"
 #include "foreview/server/frame_source.h"
+#include "foreview/server/stream_restart.h"
 #include "foreview/server/tf_buffer.h"
 #include "foreview/server/thread_priority.h"
 
@@ -49,6 +50,8 @@ struct StreamRecorder::State {
     if (options.cameras.empty()) throw InputError("record", "has no camera; expected at least one");
     for (const StreamRecorder::Camera& camera : options.cameras) frames.push_back(camera.frame);
     models.resize(options.cameras.size());
+    restarts.resize(options.cameras.size());
+    newest_stamp.resize(options.cameras.size());
     last_pose.resize(options.cameras.size());
     tf = TfBuffer({.memory = options.state_wait + Duration{10'000'000'000}});
     worker = std::thread([this] { work_until_stopped(); });
@@ -96,6 +99,32 @@ struct StreamRecorder::State {
     if (!pose) return std::nullopt;
     last = newest;
     return std::pair(*newest, *pose);
+  }
+
+  /// Whether a picture comes after those before it in the one time that a recording has. What does not is counted;
+  /// where the stream begins anew the recording ends.
+  bool follows(std::size_t camera, const EncodedPicture& picture, bool is_picture, const Reception& reception) {
+    if (!is_picture) {
+      ++counts.damaged;
+      return false;
+    }
+    const Timestamp stamp = header_of(picture).stamp;
+    const StreamRestart::Verdict verdict = restarts.at(camera).note(stamp, reception.publisher, reception.steady);
+    if (verdict == StreamRestart::Verdict::begins_anew) {
+      ending = options.cameras[camera].name +
+               ": the stream began anew (sender restarted, or its clock set back); a recording has one time";
+      is_stopping = true;
+      ++counts.unwritten;
+      return false;
+    }
+    // Else it would get the poses that were known at this stamp, which may be those of another clock.
+    std::optional<Timestamp>& newest = newest_stamp[camera];
+    if (verdict == StreamRestart::Verdict::straggles || (newest && stamp <= *newest)) {
+      ++counts.late;
+      return false;
+    }
+    newest = stamp;
+    return true;
   }
 
   [[nodiscard]] bool is_ready(const Waiting& item) const {
@@ -169,6 +198,7 @@ struct StreamRecorder::State {
       counts.error = error;
       if (!error.empty()) counts.unwritten += some_pictures.size() - written - damaged;
     }
+    if (counts.error.empty()) counts.error = ending;
     // After an error, or where it never began, nobody takes what still waits.
     counts.unwritten += waiting.size();
     waiting.clear();
@@ -253,6 +283,9 @@ struct StreamRecorder::State {
   std::vector<std::optional<Timestamp>> last_pose;                 ///< noted, by camera
   std::map<std::string, std::optional<Timestamp>> last_part_pose;  ///< noted, by part
   Timestamp newest_picture;
+  std::vector<StreamRestart> restarts;                 ///< by camera
+  std::vector<std::optional<Timestamp>> newest_stamp;  ///< of its pictures
+  std::string ending;                                  ///< why it ends, once what waits is written
   std::deque<PoseSample> poses;
   std::deque<JointStateMessage> joints;
   std::deque<Waiting> waiting;
@@ -271,14 +304,16 @@ StreamRecorder::StreamRecorder(Options options) : state_(std::make_unique<State>
 StreamRecorder::~StreamRecorder() = default;
 
 void StreamRecorder::on_picture(std::size_t camera, EncodedPicture picture, const Reception& reception) {
+  const bool looks_like = looks_whole(picture);
   {
     const std::lock_guard lock(state_->mutex);
     State& state = *state_;
     ++state.counts.pictures_in;
-    if (!state.counts.error.empty()) {
+    if (!state.counts.error.empty() || !state.ending.empty()) {
       ++state.counts.unwritten;
       return;
     }
+    if (!state.follows(camera, picture, looks_like, reception)) return;
     if (state.options.cameras.at(camera).frame.empty()) state.frames[camera] = header_of(picture).frame;
     state.newest_picture = std::max(state.newest_picture, header_of(picture).stamp);
     state.waiting_bytes += bytes_of(picture);

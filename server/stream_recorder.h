@@ -15,7 +15,7 @@ class Disk;
 /// is known, and the camera's pose at every step of tf. It writes durably (RecordingWriter), what has come since the
 /// last time in one commit: whether the process is killed, the disk is full or the power is cut, what is listed is
 /// whole and what is counted as written is listed. A model of another size in mid-stream is not recorded: its pictures
-/// count as damaged.
+/// count as damaged. Where a stream begins anew (StreamRestart) the recording ends: it has one time only.
 class StreamRecorder final : public LiveSink {
  public:
   struct Camera {
@@ -45,10 +45,11 @@ class StreamRecorder final : public LiveSink {
   void on_joints(const JointStateMessage& joints) override;
 
   struct Status {
-    /// = written + damaged + stateless + overflowed + unwritten + those that wait.
+    /// = written + damaged + stateless + late + overflowed + unwritten + those that wait.
     std::size_t pictures_in = 0;
     std::size_t written = 0;  ///< and listed
     std::size_t damaged = 0, stateless = 0;
+    std::size_t late = 0;        ///< not newer than the one before: came twice, or of another clock
     std::size_t overflowed = 0;  ///< the disk did not keep up
     std::size_t unwritten = 0;   ///< because of `error`, or because it never began
     std::string waiting_for;     ///< why it has not begun; empty: it has

@@ -60,8 +60,8 @@ void RecordCommand::run() const {
     told = steady_now();
     const StreamRecorder::Status status = recorder.status();
     const std::string missing = receiver.missing();
-    spdlog::info("{} pictures recorded, {} without pose, {} damaged, {} overflowed{}", status.written, status.stateless,
-                 status.damaged, status.overflowed,
+    spdlog::info("{} pictures recorded, {} without pose, {} damaged, {} late, {} overflowed{}", status.written,
+                 status.stateless, status.damaged, status.late, status.overflowed,
                  !missing.empty()             ? "; " + missing
                  : status.waiting_for.empty() ? ""
                                               : "; waiting for " + status.waiting_for);

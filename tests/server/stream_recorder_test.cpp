@@ -34,12 +34,13 @@ struct RecordedRobot {
     recorder->on_camera_info(0, info_from_camera(camera));
   }
   static Timestamp stamp(int i) { return {1'000'000'000'000 + i * 100'000'000LL}; }
-  void send(int i, bool is_whole = true) {
-    recorder->on_transforms({{{{stamp(i), "world"}, "optical", Pose{{1, 0, 0, 0}, {1.0 * i, 0, 0}}}}}, false);
+  void send(int i, bool is_whole = true, std::uint64_t publisher = 1) {
+    const double x = publisher == 1 ? i : -i;
+    recorder->on_transforms({{{{stamp(i), "world"}, "optical", Pose{{1, 0, 0, 0}, {x, 0, 0}}}}}, false);
     CompressedImageMessage message{{stamp(i), "optical"}, "jpeg", {}};
     cv::imencode(".png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(i)), message.data);
     if (!is_whole) message.data.resize(message.data.size() / 2);
-    recorder->on_picture(0, std::move(message), {steady_now(), steady_now(), 1});
+    recorder->on_picture(0, std::move(message), {steady_now(), steady_now(), publisher});
   }
   std::optional<StreamRecorder> recorder;
 };
@@ -64,7 +65,7 @@ std::size_t readable(const SimulatedDisk& disk, SimulatedDisk::Luck luck, unsign
 
 void expect_sums(const StreamRecorder::Status& status) {
   EXPECT_EQ(status.pictures_in,
-            status.written + status.damaged + status.stateless + status.overflowed + status.unwritten);
+            status.written + status.damaged + status.stateless + status.late + status.overflowed + status.unwritten);
 }
 
 TEST(StreamRecorder, WhatIsCountedAsWrittenOutlivesAPowerCut) {
@@ -110,6 +111,30 @@ TEST(StreamRecorder, FullDiskEndsItWithOneLineAndASoundRecording) {
   }
 }
 
+TEST(StreamRecorder, EndsWhereTheSenderBeginsAnewAndMixesNoPoses) {
+  SimulatedDisk disk;
+  RecordedRobot robot(disk);
+  for (int i = 0; i < 30; ++i) {
+    robot.send(i);
+    robot.send(i);  // twice
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  int i = 10;
+  // Its stamps are those of the first one, its poses are not (readable() compares them).
+  for (; i < 200 && robot.recorder->status().error.empty(); ++i) {
+    robot.send(i % 30, true, 2);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  const StreamRecorder::Status status = robot.recorder->status();
+  EXPECT_NE(status.error.find("began anew"), std::string::npos) << status.error;
+  EXPECT_LT(i, 60);
+  EXPECT_EQ(status.written, 30U);
+  EXPECT_GE(status.late, 50U);
+  robot.recorder->finish();
+  expect_sums(robot.recorder->status());
+  EXPECT_EQ(readable(disk, SimulatedDisk::Luck::nothing_stays), 30U);
+}
+
 TEST(StreamRecorder, PicturesThatWaitWhereItNeverBeginsAreCounted) {
   SimulatedDisk disk;
   StreamRecorder::Options options;
@@ -117,7 +142,9 @@ TEST(StreamRecorder, PicturesThatWaitWhereItNeverBeginsAreCounted) {
   options.cameras = {{"eye", ""}};
   options.disk = &disk;
   StreamRecorder recorder(options);
-  recorder.on_picture(0, CompressedImageMessage{{{1}, "optical"}, "jpeg", {1, 2, 3}}, {});
+  std::vector<std::uint8_t> picture;
+  cv::imencode(".png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(1)), picture);
+  recorder.on_picture(0, CompressedImageMessage{{{1}, "optical"}, "jpeg", picture}, {});
   EXPECT_EQ(recorder.status().waiting_for, "camera_info of eye");
   recorder.finish();
   EXPECT_EQ(recorder.status().unwritten, 1U);
