@@ -46,8 +46,7 @@ void LiveScene::prepare() {
 }
 
 bool LiveScene::is_ready() {
-  if (!preparing_.joinable()) return true;
-  if (!prepared_) return false;
+  if (preparing_.joinable() && !prepared_) return false;
   await();
   return true;
 }

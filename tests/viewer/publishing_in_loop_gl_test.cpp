@@ -248,6 +248,103 @@ TEST_P(PublishingInLoop, ExtractionIsReplacedWithoutLosingTextures) {
   extract(source_.pictures[2], true);
 }
 
+/// Everything of a picture, at once.
+void extract_whole(LiveScene& scene, const CameraFrame& frame) {
+  in_extraction_context(scene.platform(), [&] {
+    scene.extraction().begin(frame);
+    scene.store().wait_for_free_set();
+    while (scene.extraction().is_busy()) {
+      const auto slice = scene.extraction().pending_slice();
+      ASSERT_TRUE(slice);
+      static_cast<void>(scene.extraction().run_slice(slice->size));
+      scene.platform().finish("a slice");
+    }
+  });
+}
+
+Textures shown_by(LiveScene& scene) {
+  Textures textures = read(scene.store(), scene.store().acquire());
+  scene.store().release();
+  return textures;
+}
+
+struct Change {
+  const char* name;
+  void (*make)(ExtractionOptions&);
+};
+
+TEST_P(PublishingInLoop, AParameterHoldsFromTheNextPictureOn) {
+  LiveScene::Options options;
+  options.pipeline = GetParam();
+  options.extraction = options_;
+  options.charts = charts_;
+  options.debug = true;
+  const auto two_pictures = [&](const Change* change) {
+    LiveScene scene(*model_, options, context().display(), context().context(), [] { context().make_current(); });
+    extract_whole(scene, source_.pictures[0]);
+    const Textures first = shown_by(scene);
+    if (change != nullptr) {
+      ExtractionOptions changed = options_;
+      change->make(changed);
+      scene.replace_extraction(changed);
+      EXPECT_TRUE(same(shown_by(scene), first)) << change->name << " changed what was there";
+    }
+    extract_whole(scene, source_.pictures[1]);
+    return shown_by(scene);
+  };
+  const Textures unchanged = two_pictures(nullptr);
+  EXPECT_TRUE(same(two_pictures(nullptr), unchanged)) << "the comparison means nothing";
+  std::vector<Change> changes{
+      {"artefacts", [](ExtractionOptions& o) { o.artefacts = ArtefactSuppression::none; }},
+      {"passes", [](ExtractionOptions& o) { o.passes = 8; }},
+      {"near plane", [](ExtractionOptions& o) { o.near_plane = 1.5; }},
+  };
+  // Exposure, alpha c and the size of small polygons matter in no scene as small as this; pipelines of their own are
+  // tested for them.
+  if (GetParam() == PipelineKind::per_polygon) {
+    changes.push_back({"alternating", [](ExtractionOptions& o) { o.artefacts = ArtefactSuppression::alternating; }});
+    changes.push_back({"progressive", [](ExtractionOptions& o) { o.artefacts = ArtefactSuppression::progressive; }});
+    changes.push_back({"iterative", [](ExtractionOptions& o) { o.fill = HoleFilling::iterative; }});
+    changes.push_back({"no filling", [](ExtractionOptions& o) { o.fill = HoleFilling::none; }});
+  }
+  for (const Change& change : changes) {
+    EXPECT_FALSE(same(two_pictures(&change), unchanged)) << change.name << " has no effect";
+  }
+}
+
+TEST_P(PublishingInLoop, PreparedBesideTheDisplayItShowsNothingSeenAndThenTheSame) {
+  LiveScene::Options options;
+  options.pipeline = GetParam();
+  options.extraction = options_;
+  options.charts = charts_;
+  options.debug = true;
+  options.beside_display = true;
+  LiveScene scene(*model_, options, context().display(), context().context(), [] { context().make_current(); });
+  // Whether it is ready yet or not.
+  const TextureStore::Shown shown = scene.store().acquire();
+  EXPECT_EQ(shown.picture, 0U);
+  EXPECT_TRUE(glIsTexture(shown.pages) == GL_TRUE && glIsTexture(shown.capture_times) == GL_TRUE);
+  std::vector<TextureStore::PolygonState> states(model_->polygons().size());
+  glGetNamedBufferSubData(shown.polygon_states, 0,
+                          static_cast<GLsizeiptr>(states.size() * sizeof(TextureStore::PolygonState)), states.data());
+  scene.store().release();
+  for (const TextureStore::PolygonState& state : states) EXPECT_EQ(state.seen, 0);
+  extract_whole(scene, source_.pictures[0]);  // waits until it is ready
+  EXPECT_TRUE(scene.is_ready());
+  EXPECT_TRUE(same(shown_by(scene), expected()[1]));
+}
+
+TEST_P(PublishingInLoop, WhatFailsBesideTheDisplayIsTold) {
+  LiveScene::Options options;
+  options.pipeline = GetParam();
+  options.charts = charts_;
+  options.initial_textures = "/there/are/no/textures";
+  options.beside_display = true;
+  LiveScene scene(*model_, options, context().display(), context().context(), [] { context().make_current(); });
+  EXPECT_THROW(in_extraction_context(scene.platform(), [] {}), InputError);
+  EXPECT_THROW(static_cast<void>(scene.is_ready()), InputError);
+}
+
 INSTANTIATE_TEST_SUITE_P(Pipelines, PublishingInLoop,
                          ::testing::Values(PipelineKind::batched, PipelineKind::per_polygon),
                          [](const auto& of) { return of.param == PipelineKind::batched ? "Batched" : "PerPolygon"; });
