@@ -19,21 +19,29 @@ struct IncomingFrame {
   bool is_history = false;       ///< arrived before the last seek's moment; sent after it, newest first
 };
 
+/// What has become of one camera's pictures.
+struct PictureCounts {
+  std::size_t in = 0, used = 0, overwritten = 0, damaged = 0, stateless = 0, duplicated = 0,
+              lost = 0;  ///< as in SourceStatus, where `in` is pictures_in
+};
+
 /// How a source is doing. Counts are since it began and never go back.
 struct SourceStatus {
   std::uint64_t generation = 0;
-  std::size_t pictures_in = 0;    ///< arrived, history not included: = used + overwritten + damaged + stateless + the
-                                  ///< few that are being decoded or wait to be taken (or were, at a seek)
-  std::size_t used = 0;           ///< taken, history not included
-  std::size_t history = 0;        ///< taken, of history
-  std::size_t overwritten = 0;    ///< a newer one came before they were taken
-  std::size_t damaged = 0;        ///< not whole, not decodable, wrong size
-  std::size_t stateless = 0;      ///< pose or model state at capture not known (in time)
-  std::size_t duplicated = 0;     ///< came twice, not counted as arrived
-  std::size_t lost = 0;           ///< on the way, as far as that is known
-  std::size_t bytes_decoded = 0;  ///< memory held by decoded pictures now
+  std::size_t pictures_in = 0;  ///< arrived, history not included: = used + overwritten + damaged + stateless + the
+                                ///< few that are being decoded or wait to be taken (or were, at a seek)
+  std::size_t used = 0;         ///< taken, history not included
+  std::size_t history = 0;      ///< taken, of history
+  std::size_t overwritten = 0;  ///< a newer one came before they were taken
+  std::size_t damaged = 0;      ///< not whole, not decodable, wrong size
+  std::size_t stateless = 0;    ///< pose or model state at capture not known (in time)
+  std::size_t duplicated = 0;   ///< came twice, not counted as arrived
+  std::size_t lost = 0;         ///< on the way, as far as that is known
+  std::vector<PictureCounts> cameras;       ///< the same by camera (live); may be empty
+  std::size_t bytes_decoded = 0;            ///< memory held by decoded pictures now
   std::optional<Timestamp> newest_capture;  ///< of what arrived in this generation
   std::optional<Timestamp> last_received;   ///< when the last picture arrived, in this generation
+  std::optional<Timestamp> last_heard;      ///< when anything came last (live), in the time of the stamps
   Timestamp now;                            ///< the source's time when this was asked
   Duration expected_delay;                  ///< from capture to arrival: what is no cause for alarm
   bool is_decoding = false;                 ///< there is something to decode now
@@ -59,6 +67,8 @@ class FrameSource {
   /// The source's time (that of its stamps) at a moment of std::chrono::steady_clock: what is now, or will be when a
   /// frame is seen. For a recording, the display's time; live, the robot's.
   [[nodiscard]] virtual Timestamp time_at(Timestamp steady) const = 0;
+  /// Nobody can stop its time, and the other side may fall silent.
+  [[nodiscard]] virtual bool is_live() const { return false; }
   /// Counts up when all that arrived becomes void (seek, loop, another stream): begin the textures afresh then.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
 

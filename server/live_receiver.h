@@ -25,8 +25,9 @@ class LiveReceiver {
   LiveReceiver(DdsNode& node, const std::vector<CameraTopics>& cameras, LiveSink& sink);
   /// One line on what is not heard (no publisher of a topic); empty: all is.
   [[nodiscard]] std::string missing() const;
-  /// Pictures known to have been lost on the network.
+  /// Pictures known to have been lost on the network: of all cameras, of one.
   [[nodiscard]] std::size_t lost() const;
+  [[nodiscard]] std::size_t lost(std::size_t camera) const { return heard_[camera].reader->lost(); }
 
  private:
   struct Heard {

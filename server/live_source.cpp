@@ -32,6 +32,11 @@ struct NewerCapture {
   }
 };
 
+Timestamp wall_now() {
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+              .count()};
+}
+
 /// A picture on its way to being decoded.
 struct Waiting {
   EncodedPicture picture;
@@ -51,6 +56,7 @@ struct CameraStream {
   StreamRestart restart;
   std::deque<Timestamp> stamps;  ///< of the last pictures
   std::size_t next_index = 0;
+  PictureCounts counts;  ///< but `used`, and what the mailbox counts
   std::string bad_info;  ///< what was last said against its camera_info
   bool has_told_damage = false;
 };
@@ -67,6 +73,7 @@ struct LiveSource::State {
       streams.push_back(std::make_unique<CameraStream>());
       streams.back()->frame = camera.frame;
     }
+    taken.resize(streams.size());
     worker = std::thread([this] { work_until_stopped(); });
   }
 
@@ -87,9 +94,10 @@ struct LiveSource::State {
     CameraStream& stream = *streams.at(camera);
     const Timestamp stamp = header_of(picture).stamp;
     wall_from_steady = reception.wall - reception.steady;
+    heard = steady_now();
     // What is no picture says nothing of the stream either: its stamp may be anything.
     if (!is_picture) {
-      ++counts.pictures_in;
+      ++stream.counts.in;
       note_damage(stream, options.cameras[camera].name + ": is no picture");
       return;
     }
@@ -99,12 +107,12 @@ struct LiveSource::State {
       verdict = stream.restart.note(stamp, reception.publisher, reception.steady);
     }
     if (std::find(stream.stamps.begin(), stream.stamps.end(), stamp) != stream.stamps.end()) {
-      ++counts.duplicated;
+      ++stream.counts.duplicated;
       return;
     }
     if (verdict == StreamRestart::Verdict::straggles) {
-      ++counts.pictures_in;
-      ++counts.overwritten;
+      ++stream.counts.in;
+      ++stream.counts.overwritten;
       return;
     }
     stream.stamps.push_back(stamp);
@@ -115,20 +123,21 @@ struct LiveSource::State {
     }
     const std::optional<Timestamp> due = link.send(reception.steady, bytes_of(picture));
     if (!due) {
-      ++counts.lost;
+      ++stream.counts.lost;
       return;
     }
     if (options.cameras[camera].frame.empty()) stream.frame = header_of(picture).frame;
     waiting_bytes += bytes_of(picture);
     stream.waiting.push_back(
         {std::move(picture), stamp, reception.steady, *due, reception.publisher, stream.next_index++});
-    ++counts.pictures_in;
-    while (stream.waiting.size() > options.most_waiting) drop(stream, oldest_of_fullest(stream), counts.overwritten);
+    ++stream.counts.in;
+    while (stream.waiting.size() > options.most_waiting)
+      drop(stream, oldest_of_fullest(stream), stream.counts.overwritten);
     while (waiting_bytes > options.waiting_bytes) {
       const auto fullest = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
         return a->waiting.size() < b->waiting.size();
       });
-      drop(**fullest, oldest_of_fullest(**fullest), counts.overwritten);
+      drop(**fullest, oldest_of_fullest(**fullest), (*fullest)->counts.overwritten);
     }
   }
 
@@ -144,7 +153,7 @@ struct LiveSource::State {
   }
 
   void note_damage(CameraStream& stream, const std::string& damage) {
-    ++counts.damaged;
+    ++stream.counts.damaged;
     spdlog::log(stream.has_told_damage ? spdlog::level::debug : spdlog::level::warn, "picture dropped: {}", damage);
     stream.has_told_damage = true;
   }
@@ -164,15 +173,15 @@ struct LiveSource::State {
     ++generation;
     spdlog::info("the stream begins anew");
     for (const auto& stream : streams) {
-      while (!stream->waiting.empty()) drop(*stream, 0, counts.overwritten);
+      while (!stream->waiting.empty()) drop(*stream, 0, stream->counts.overwritten);
       stream->stamps.clear();
       stream->restart = StreamRestart();
     }
     tf.clear_moving();
     clock = ClockEstimate(options.clock);
     transport = LatencyWindow();
-    counts.newest_capture.reset();
-    counts.last_received.reset();
+    newest_capture.reset();
+    last_received.reset();
   }
 
   [[nodiscard]] Timestamp remote_at(Timestamp steady) const {
@@ -260,7 +269,7 @@ struct LiveSource::State {
         const Waiting& other = stream.waiting[i];
         if (other.due <= now && now - other.due >= options.state_wait) {
           note_stateless(camera, other);
-          drop(stream, i, counts.stateless);
+          drop(stream, i, stream.counts.stateless);
         }
       }
     }
@@ -311,18 +320,18 @@ struct LiveSource::State {
       }
       if (task->generation != generation) {
         is_in_work = false;
-        ++counts.overwritten;
+        ++stream.counts.overwritten;
         continue;
       }
       const Waiting& waiting = task->waiting;
       // Only now: had it been damaged, one that is older would have been the newest.
       for (std::size_t i = stream.waiting.size(); i-- > 0;) {
         const Waiting& other = stream.waiting[i];
-        if (other.due <= now && other.stamp < waiting.stamp) drop(stream, i, counts.overwritten);
+        if (other.due <= now && other.stamp < waiting.stamp) drop(stream, i, stream.counts.overwritten);
       }
       const Timestamp received = remote_at(waiting.due);
-      counts.newest_capture = std::max(counts.newest_capture.value_or(waiting.stamp), waiting.stamp);
-      counts.last_received = received;
+      newest_capture = std::max(newest_capture.value_or(waiting.stamp), waiting.stamp);
+      last_received = received;
       available.add(done - waiting.due);
       decoding.add(done - begun);
       time_available = time_available + (done - waiting.due);
@@ -348,8 +357,9 @@ struct LiveSource::State {
   TfBuffer tf;
   SimulatedLink link;
   ClockEstimate clock;
-  Duration wall_from_steady;
-  SourceStatus counts;
+  Duration wall_from_steady = wall_now() - steady_now();
+  std::optional<Timestamp> heard;  ///< steady
+  std::optional<Timestamp> newest_capture, last_received;
   std::atomic<std::uint64_t> generation{0};
   std::size_t waiting_bytes = 0, first_turn = 0;
   LatencyWindow available, decoding, transport;
@@ -359,7 +369,11 @@ struct LiveSource::State {
 
   // Of the reader, under a lock of its own: it must not wait for the others.
   std::mutex taking;
-  std::size_t next_camera = 0, used = 0, voided = 0;
+  std::size_t next_camera = 0;
+  struct Taken {
+    std::size_t used = 0, voided = 0;
+  };
+  std::vector<Taken> taken;
 };
 
 LiveSource::LiveSource(Options options) : state_(std::make_unique<State>(std::move(options))) {}
@@ -388,6 +402,7 @@ void LiveSource::on_camera_info(std::size_t camera, const CameraInfoMessage& inf
   {
     const std::lock_guard lock(state_->mutex);
     CameraStream& stream = *state_->streams[camera];
+    state_->heard = steady_now();
     if (model) stream.model = std::move(model);
     if (!error.empty() && error != stream.bad_info) spdlog::warn("{}", error);
     stream.bad_info = error;
@@ -398,6 +413,7 @@ void LiveSource::on_camera_info(std::size_t camera, const CameraInfoMessage& inf
 void LiveSource::on_transforms(const TransformMessage& message, bool is_static) {
   {
     const std::lock_guard lock(state_->mutex);
+    state_->heard = steady_now();
     for (const TransformMessage::Transform& transform : message.transforms) {
       state_->tf.add(transform.header.frame, transform.child_frame, transform.header.stamp, transform.parent_from_child,
                      is_static);
@@ -409,6 +425,7 @@ void LiveSource::on_transforms(const TransformMessage& message, bool is_static) 
 void LiveSource::on_pose(std::size_t camera, const PoseMessage& pose) {
   {
     const std::lock_guard lock(state_->mutex);
+    state_->heard = steady_now();
     const std::string& frame = pose.header.frame;
     state_->tf.add(frame.empty() ? state_->options.world_frame : frame, state_->pose_frame(camera), pose.header.stamp,
                    pose.pose);
@@ -424,11 +441,11 @@ std::optional<IncomingFrame> LiveSource::take() {
     std::optional<IncomingFrame> frame = state_->streams[camera]->offered.take();
     if (!frame) continue;
     if (frame->generation != state_->generation) {
-      ++state_->voided;
+      ++state_->taken[camera].voided;
       continue;
     }
     state_->next_camera = camera + 1;
-    ++state_->used;
+    ++state_->taken[camera].used;
     return frame;
   }
   return std::nullopt;
@@ -447,19 +464,33 @@ SourceStatus LiveSource::status() {
   SourceStatus status;
   {
     const std::lock_guard lock(state_->mutex);
-    status = state_->counts;
     status.generation = state_->generation;
+    status.newest_capture = state_->newest_capture;
+    status.last_received = state_->last_received;
+    if (state_->heard) status.last_heard = state_->remote_at(*state_->heard);
     status.is_decoding = state_->is_in_work;
     status.now = state_->remote_at(steady_now());
     status.expected_delay = state_->link.options().delay + state_->transport.quantile(0.5);
     for (const auto& stream : state_->streams) {
-      status.overwritten += stream->offered.overwritten();
+      PictureCounts counts = stream->counts;
+      counts.overwritten += stream->offered.overwritten();
+      status.cameras.push_back(counts);
       status.is_decoding = status.is_decoding || !stream->waiting.empty();
     }
   }
   const std::lock_guard lock(state_->taking);
-  status.used = state_->used;
-  status.overwritten += state_->voided;
+  for (std::size_t i = 0; i < status.cameras.size(); ++i) {
+    PictureCounts& counts = status.cameras[i];
+    counts.used = state_->taken[i].used;
+    counts.overwritten += state_->taken[i].voided;
+    status.pictures_in += counts.in;
+    status.used += counts.used;
+    status.overwritten += counts.overwritten;
+    status.damaged += counts.damaged;
+    status.stateless += counts.stateless;
+    status.duplicated += counts.duplicated;
+    status.lost += counts.lost;
+  }
   return status;
 }
 
@@ -496,7 +527,13 @@ LiveSource::Latency LiveSource::latency() const {
   const double all = state_->time_available.seconds();
   latency.decoding_share = all > 0 ? state_->time_decoding.seconds() / all : 0;
   latency.transport_median = state_->transport.quantile(0.5);
-  latency.drift = state_->clock.state(steady_now()).drift;
+  const Timestamp now = state_->is_synchronised() ? wall_now() : steady_now();
+  const ClockEstimate::State clock = state_->clock.state(now);
+  latency.drift = clock.drift;
+  latency.clock_mode = state_->options.clock.mode;
+  latency.clock_uncertainty = clock.uncertainty;
+  latency.clock_jumps = clock.jumps;
+  latency.clock_warning = clock.warning;
   return latency;
 }
 

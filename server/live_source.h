@@ -57,10 +57,12 @@ class LiveSource final : public FrameSource, public LiveSink {
   [[nodiscard]] std::optional<PredictedState> predicted_state(Timestamp t) const override;
   [[nodiscard]] SourceStatus status() override;
   [[nodiscard]] Timestamp time_at(Timestamp steady) const override;
+  [[nodiscard]] bool is_live() const override { return true; }
   [[nodiscard]] std::uint64_t generation() const override;
   [[nodiscard]] std::size_t cameras() const override;
   [[nodiscard]] std::optional<CameraModel> camera_model(std::size_t camera) const override;
 
+  /// For pictures that come from now on. Throws InputError as check_link_options().
   void set_link(const LinkOptions& options);
 
   /// Of the last pictures.
@@ -71,6 +73,10 @@ class LiveSource final : public FrameSource, public LiveSink {
     double decoding_share = 0;  ///< of all of that time
     Duration transport_median;  ///< from capture to arrival, by the clocks' estimate
     double drift = 0;           ///< ClockEstimate::State::drift
+    ClockMode clock_mode = ClockMode::estimated;
+    Duration clock_uncertainty;  ///< ClockEstimate::State::uncertainty
+    std::size_t clock_jumps = 0;
+    std::string clock_warning;  ///< ClockEstimate::State::warning
   };
   [[nodiscard]] Latency latency() const;
 

@@ -9,11 +9,16 @@ namespace foreview {
 Republisher::Republisher(DdsNode& node, const std::vector<std::string>& camera_names, std::string world_frame)
     : world_frame_(std::move(world_frame)) {
   for (const std::string& name : camera_names) {
-    const std::string base = "/foreview/" + name;
-    cameras_.push_back({node.advertise<ImageMessage>(base + "/image_raw", QosProfile::sensor_data),
-                        node.advertise<CameraInfoMessage>(base + "/camera_info", QosProfile::sensor_data),
-                        node.advertise<PoseMessage>(base + "/pose", QosProfile::sensor_data)});
+    const CameraTopics at = topics(name);
+    cameras_.push_back({node.advertise<ImageMessage>(at.image, QosProfile::sensor_data),
+                        node.advertise<CameraInfoMessage>(at.camera_info, QosProfile::sensor_data),
+                        node.advertise<PoseMessage>(at.pose, QosProfile::sensor_data)});
   }
+}
+
+CameraTopics Republisher::topics(const std::string& camera_name) {
+  const std::string base = "/foreview/" + camera_name;
+  return {base + "/image_raw", base + "/camera_info", base + "/pose"};
 }
 
 void Republisher::send(const IncomingFrame& frame) {

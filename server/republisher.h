@@ -5,6 +5,7 @@
 
 #include "foreview/server/dds/dds_node.h"
 #include "foreview/server/frame_source.h"
+#include "foreview/server/live_receiver.h"
 
 namespace foreview {
 
@@ -15,6 +16,8 @@ class Republisher {
  public:
   Republisher(DdsNode& node, const std::vector<std::string>& camera_names, std::string world_frame);
   void send(const IncomingFrame& frame);
+  /// Where the display elsewhere hears a camera.
+  [[nodiscard]] static CameraTopics topics(const std::string& camera_name);
 
  private:
   struct Camera {

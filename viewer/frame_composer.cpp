@@ -100,7 +100,8 @@ void FrameComposer::draw_predicted(const FrameInput& input, const ViewChoice& ch
 }
 
 bool FrameComposer::load(const FramePicture& picture, Shown& into) {
-  if (picture.picture.empty()) return false;
+  // One taken before the camera became another one.
+  if (picture.picture.cols != camera_.width || picture.picture.rows != camera_.height) return false;
   if (into.any && into.key == picture.key) return true;
   const cv::Mat straight = undistortion_.undistort(picture.picture);
   glTextureSubImage2D(into.texture.id(), 0, 0, 0, straight.cols, straight.rows, GL_BGR, GL_UNSIGNED_BYTE,

@@ -53,16 +53,22 @@ void LiveFrames::find_truth(Timestamp t, const ViewChoice& choice) {
 }
 
 FrameInput& LiveFrames::at(Timestamp t, Timestamp since, const FrameMoment& moment, const ViewChoice& choice,
-                           const Pose& world_from_camera) {
+                           const std::function<Pose(const Pose&)>& operator_pose) {
   input_.moment = t;
   input_.predicted = source_.predicted_state(t);
-  if (input_.predicted) input_.predicted->world_from_camera = world_from_camera;
+  if (input_.predicted) input_.predicted->world_from_camera = operator_pose(input_.predicted->world_from_camera);
   take_delayed(moment);
   find_truth(t, choice);
   StalenessInput known;
   known.now = t;
   known.since = since;
-  known.expected_delay = source_.status().expected_delay;
+  const SourceStatus status = source_.status();
+  known.expected_delay = status.expected_delay;
+  if (source_.is_live()) {
+    known.poses_expected = known.link_expected = true;
+    if (input_.predicted) known.newest_pose = input_.predicted->stamp;
+    known.last_heard = status.last_heard;
+  }
   if (moment.newest != nullptr) known.newest_picture = moment.newest->record.captured;
   input_.staleness = assess_staleness(known, limits_);
   return input_;

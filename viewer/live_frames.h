@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -21,11 +22,11 @@ class LiveFrames {
   /// for ViewMode::difference; null where nobody knows them. Both must outlive this.
   LiveFrames(FrameSource& source, std::size_t camera, const Recording* recording, const StalenessLimits& limits = {});
 
-  /// Of display time `t`; `world_from_camera` is the operator's. In ViewMode::difference, seen from where the recorded
-  /// camera was, the frame is that of the newest picture taken until then that could be read so far. `since`: when
-  /// waiting for pictures began. Valid until the next call.
+  /// Of display time `t`; `operator_pose` makes the operator's world_from_camera of where the real camera is then. In
+  /// ViewMode::difference, seen from where the recorded camera was, the frame is that of the newest picture taken until
+  /// then that could be read so far. `since`: when waiting for pictures began. Valid until the next call.
   [[nodiscard]] FrameInput& at(Timestamp t, Timestamp since, const FrameMoment& moment, const ViewChoice& choice,
-                               const Pose& world_from_camera);
+                               const std::function<Pose(const Pose&)>& operator_pose);
   /// Whether the last frame had a truth to differ from.
   [[nodiscard]] bool truth_known() const { return !input_.truth.picture.empty(); }
 

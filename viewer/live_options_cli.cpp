@@ -5,6 +5,7 @@
 
 #include "foreview/scene/errors.h"
 #include "foreview/scene/input_file.h"
+#include "foreview/server/republisher.h"
 
 namespace foreview {
 
@@ -31,13 +32,20 @@ DdsOptions NetworkOptionsCli::options() const {
   return options;
 }
 
-void LiveOptionsCli::add_to(CLI::App& command) {
+void LiveOptionsCli::add_to(CLI::App& command, bool may_connect) {
   command
       .add_option("--topic", topics,
                   "A camera's pictures: sensor_msgs/CompressedImage where it ends in /compressed, else "
                   "sensor_msgs/Image; may be repeated. Its camera_info is heard beside it")
       ->type_name("TOPIC")
-      ->required();
+      ->required(!may_connect);
+  if (may_connect) {
+    command
+        .add_option("--connect", servers,
+                    "A camera of a foreview serve --republish, which decodes its pictures elsewhere, by its name; may "
+                    "be repeated")
+        ->type_name("NAME");
+  }
   command
       .add_option("--pose", poses,
                   "A camera's pose as geometry_msgs/PoseStamped, in the order of --topic (default: from tf, by the "
@@ -68,6 +76,7 @@ std::vector<CameraTopics> LiveOptionsCli::cameras() const {
     cameras.push_back(camera_topics(topics[i]));
     if (i < poses.size()) cameras.back().pose = poses[i];
   }
+  for (const std::string& name : servers) cameras.push_back(Republisher::topics(name));
   return cameras;
 }
 

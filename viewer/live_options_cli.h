@@ -26,11 +26,14 @@ struct NetworkOptionsCli {
 struct LiveOptionsCli {
   NetworkOptionsCli network;
   std::vector<std::string> topics, poses;
+  std::vector<std::string> servers;  ///< cameras of `foreview serve --republish`, by name
   std::string world_frame = "world";
   std::string state_wait = "250ms";
   bool clocks_are_synchronised = false;
   std::string least_delay = "0ms";
-  void add_to(CLI::App& command);
+  /// `may_connect`: --connect is offered, too, and neither it nor --topic is required.
+  void add_to(CLI::App& command, bool may_connect = false);
+  /// Those of --topic, then those of --connect.
   [[nodiscard]] std::vector<CameraTopics> cameras() const;
   /// Throws InputError naming the option.
   [[nodiscard]] LiveSource::Options source() const;

@@ -80,6 +80,7 @@ PacingRun measure_pacing(LiveScene& scene, FrameSource& source, const PacingRequ
   };
   callbacks.displayed = [&](const PictureRecord& picture) {
     if (counts) run.add(picture);
+    if (request.displayed) request.displayed(picture);
   };
   callbacks.slice_completed = [&](const SliceRecord& slice) {
     if (counts) count(run, slice);
@@ -107,6 +108,7 @@ PacingRun measure_pacing(LiveScene& scene, FrameSource& source, const PacingRequ
   run.ended = platform.now();
   run.schedule = difference(last, before.schedule);
   run.restarts = loop.statistics().restarts - before.restarts;
+  if (request.at_end) request.at_end();
   in_extraction_context(platform, [&] { scene.extraction().clear(); });
   return run;
 }

@@ -17,6 +17,8 @@ struct PacingRequest {
   std::function<bool()> poll;  ///< false: enough
   /// Every PacingRun::kInterval, and at the end.
   std::function<void(const PacingRun::Interval&)> interval_ended;
+  std::function<void(const PictureRecord&)> displayed;
+  std::function<void()> at_end;      ///< textures are as the last frame has shown them, or newer
   LoopPlatform* platform = nullptr;  ///< instead of the scene's, over its contexts
 };
 

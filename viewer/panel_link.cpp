@@ -24,6 +24,7 @@ bool slider(const char* name, const char* id, float* value, float most, const ch
 
 void show_link_panel(const PanelInput& input) {
   LinkOptions& link = input.control.settings().link;
+  if (input.status.live) ImGui::TextDisabled("simulated, on top of the real link");
   auto delay = static_cast<float>(link.delay.seconds() * 1e3);
   if (slider("Delay", "##delay", &delay, static_cast<float>(ViewerControl::kMostDelay * 1e3), "%.0f ms", input.em,
              "How long every picture is under way (" + keys_of(ViewerAction::less_delay) + ", " +

@@ -31,10 +31,37 @@ void show_extraction(const ViewerStatus& status, float em) {
   ImGui::Spacing();
 }
 
+/// What is known of live streams alone: how late they are, by whose clock, and what each camera's pictures came to.
+void show_live(const LiveReport& live) {
+  const LiveSource::Latency& latency = live.latency;
+  widgets::fact("Capture to display", live.displayed > 0
+                                          ? age_text(live.display_median) + ", 99 % " + age_text(live.display_p99)
+                                          : std::string("nothing displayed yet"));
+  const bool is_synchronised = latency.clock_mode == ClockMode::synchronised;
+  widgets::fact("Robot's clock",
+                is_synchronised ? std::string("synchronised") : "estimated, +-" + age_text(latency.clock_uncertainty));
+  if (!latency.clock_warning.empty()) widgets::warning_fact("Clock", latency.clock_warning);
+  for (const LiveReport::Camera& camera : live.cameras) {
+    const PictureCounts& counts = camera.counts;
+    widgets::fact((camera.name + ": in / used / overwritten").c_str(),
+                  count_text(counts.in) + " / " + count_text(counts.used) + " / " + count_text(counts.overwritten));
+    if (counts.damaged + counts.stateless > 0) {
+      widgets::warning_fact("  damaged / without a pose",
+                            count_text(counts.damaged) + " / " + count_text(counts.stateless));
+    }
+    if (counts.lost + camera.lost_on_network + counts.duplicated > 0) {
+      widgets::fact("  lost / came twice",
+                    count_text(counts.lost + camera.lost_on_network) + " / " + count_text(counts.duplicated));
+    }
+  }
+  if (!live.missing.empty()) widgets::warning_fact("Waiting", live.missing);
+}
+
 void show_source(const ViewerStatus& status) {
   const SourceStatus& source = status.source;
   widgets::fact("Newest picture", status.newest_picture ? age_text(status.now - *status.newest_picture) + " old"
                                                         : std::string("none yet"));
+  if (status.live) return show_live(*status.live);
   widgets::fact("Pictures in / used / overwritten", count_text(source.pictures_in) + " / " + count_text(source.used) +
                                                         " / " + count_text(source.overwritten));
   if (source.lost > 0) widgets::fact("Lost on the way", count_text(source.lost));

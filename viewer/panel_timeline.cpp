@@ -90,6 +90,8 @@ void show_timeline(const PanelInput& input) {
   if (input.control.clock() == nullptr) {
     ImGui::AlignTextToFramePadding();
     ImGui::Text("live: %s", input.status.name.c_str());
+    ImGui::SameLine();
+    ImGui::TextDisabled("no pause, no way back: it happens now; foreview record keeps it");
     return;
   }
   show_transport(input);

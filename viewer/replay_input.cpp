@@ -40,10 +40,36 @@ fs::path find_scene(const ReplayOptions& options, const Recording& recording) {
   return *own;
 }
 
-PolygonModel load_model(const ReplayOptions& options, const Recording& recording) {
-  const fs::path file = find_scene(options, recording);
+ChartOptions chart_options(const ReplayOptions& options, const TextureProposal& proposal, const char* origin) {
+  ChartOptions charts;
+  charts.texels_per_metre = options.density.value_or(proposal.texels_per_metre);
+  charts.max_texels = options.max_texels.value_or(proposal.max_texels);
+  spdlog::info("textures: {:g} texels/m ({}), at most {} texels along an axis", charts.texels_per_metre,
+               options.density ? "--density" : origin, charts.max_texels);
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  charts.page_size = std::min(charts.page_size, static_cast<int>(limit));
+  charts.group_polygons = options.pipeline == PipelineKind::batched;
+  return charts;
+}
+
+ChartOptions chart_options_for(const ReplayOptions& options, const Recording& recording, const PolygonModel& model) {
+  const auto density = recording.proposed_density();
+  const auto max_texels = recording.proposed_max_texels();
+  TextureProposal proposal;
+  if ((!options.density && !density) || (!options.max_texels && !max_texels)) {
+    proposal = propose_textures(recording, model);
+  }
+  proposal.texels_per_metre = density.value_or(proposal.texels_per_metre);
+  proposal.max_texels = max_texels.value_or(proposal.max_texels);
+  return chart_options(options, proposal, density ? "the recording's proposal" : "what the pictures resolve");
+}
+
+}  // namespace
+
+PolygonModel import_scene(const fs::path& file, const ImportOptions& options) {
   ImportReport report;
-  PolygonModel model = import_model(file, recording.import_options(), &report);
+  PolygonModel model = import_model(file, options, &report);
   spdlog::info("{}: {} polygons, {} of them backdrop, in {} part(s)", file.string(), model.polygons().size(),
                report.backdrop_polygons, model.parts().size());
   const std::size_t dropped = report.faces_with_bad_index + report.faces_not_finite + report.faces_degenerate +
@@ -56,27 +82,9 @@ PolygonModel load_model(const ReplayOptions& options, const Recording& recording
   return model;
 }
 
-ChartOptions chart_options_for(const ReplayOptions& options, const Recording& recording, const PolygonModel& model) {
-  ChartOptions charts;
-  const auto density = options.density ? options.density : recording.proposed_density();
-  const auto max_texels = options.max_texels ? options.max_texels : recording.proposed_max_texels();
-  TextureProposal proposal;
-  if (!density || !max_texels) proposal = propose_textures(recording, model);
-  charts.texels_per_metre = density.value_or(proposal.texels_per_metre);
-  charts.max_texels = max_texels.value_or(proposal.max_texels);
-  spdlog::info("textures: {:g} texels/m ({}), at most {} texels along an axis", charts.texels_per_metre,
-               options.density ? "--density"
-               : density       ? "the recording's proposal"
-                               : "what the pictures resolve",
-               charts.max_texels);
-  GLint limit = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  charts.page_size = std::min(charts.page_size, static_cast<int>(limit));
-  charts.group_polygons = options.pipeline == PipelineKind::batched;
-  return charts;
+ChartOptions chart_options_for(const ReplayOptions& options, const PolygonModel& model) {
+  return chart_options(options, propose_textures(model), "for a camera as far away as the model is large");
 }
-
-}  // namespace
 
 /// A directory wins over a built-in recording of the same name: it is what someone who generated one there means.
 Recording open_recording(const fs::path& place) {
@@ -104,7 +112,7 @@ ReplayInput::ReplayInput(const ReplayOptions& from)
     : options(from),
       recording((from.extraction.validate(), open_recording(from.recording))),
       camera(recording.camera_index(from.camera)),
-      model(load_model(from, recording)),
+      model(import_scene(find_scene(from, recording), recording.import_options())),
       charts(chart_options_for(from, recording, model)) {}
 
 ReplaySpan find_span(const ReplayInput& input) {

@@ -13,6 +13,11 @@ namespace foreview {
 /// progress bar. Throws InputError where it is neither.
 [[nodiscard]] Recording open_recording(const std::filesystem::path& place);
 
+/// A model's file, with what the import has to say logged.
+[[nodiscard]] PolygonModel import_scene(const std::filesystem::path& file, const ImportOptions& options);
+/// How fine textures are that no recording proposes anything for; needs a current GL context, for its limits.
+[[nodiscard]] ChartOptions chart_options_for(const ReplayOptions& options, const PolygonModel& model);
+
 /// Recording, model and chart options that ReplayOptions name: made in this order, since each needs the one before.
 struct ReplayInput {
   /// Opens the recording (a directory wins over a built-in one of the same name, which is generated first where it is

@@ -65,12 +65,12 @@ std::size_t parse_count(const std::string& text, const std::string& option) {
   return parse_number<std::size_t>(text, option, 1, 1'000'000, "a whole number");
 }
 
-void add_replay_options(CLI::App& command, ReplayOptions& options) {
+void add_replay_options(CLI::App& command, ReplayOptions& options, bool needs_recording) {
   using Text = const std::string&;
   const auto text_into = [](auto& target) { return [&target](Text text, Text) { target = text; }; };
   add(command, "RECORDING", "", "A recording's directory, or a built-in one: " + listed(builtin_recording_names()),
       text_into(options.recording))
-      ->required();
+      ->required(needs_recording);
 
   add(command, "--scene", "FILE",
       "Polygon model to use instead of the recording's own (OBJ, PLY, STL, OFF, glTF, DAE); looked for where you are, "

@@ -15,7 +15,7 @@ namespace foreview {
 /// --density, --max-texels, --exposure, --near, --load-textures, --save-textures. `options` keeps its values where an
 /// option is not given, and must live until the app has been parsed. Values that cannot be are InputErrors naming the
 /// option, thrown while the app is being parsed.
-void add_replay_options(CLI::App& command, ReplayOptions& options);
+void add_replay_options(CLI::App& command, ReplayOptions& options, bool needs_recording = true);
 
 /// Adds --pipeline and --stats, likewise.
 void add_pipeline_options(CLI::App& command, ReplayOptions& options);

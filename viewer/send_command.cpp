@@ -76,6 +76,8 @@ void SendCommand::send_recording() const {
     throw_if_interrupted();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  // The other side may learn of us a little later than we of it, and would miss what is sent until then.
+  if (waits) std::this_thread::sleep_for(std::chrono::milliseconds(300));
   const RecordingSender::Summary summary = sender.run([] { return !interrupted(); });
   spdlog::info("{} pictures sent, {} unreadable", summary.pictures, summary.unreadable);
   throw_if_interrupted();

@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "foreview/viewer/camera_surroundings.h"
+
 namespace foreview {
 namespace {
 
@@ -130,6 +132,19 @@ std::vector<double> resolved_densities(const Recording& recording, const Polygon
   return densities;
 }
 
+/// A power of two that the largest polygon needs, within 256..1024.
+int max_texels_for(const PolygonModel& model, double texels_per_metre) {
+  double largest = 0;
+  for (std::size_t i = 0; i < model.polygons().size(); ++i) {
+    if (model.polygons()[i].is_backdrop) continue;
+    const glm::dvec2 extent = polygon_frame(model, i).extent;
+    largest = std::max({largest, extent.x, extent.y});
+  }
+  int texels = 256;
+  while (texels < 1024 && texels < largest * texels_per_metre) texels *= 2;
+  return texels;
+}
+
 }  // namespace
 
 double round_number(double value) {
@@ -149,15 +164,16 @@ TextureProposal propose_textures(const Recording& recording, const PolygonModel&
     std::nth_element(densities.begin(), quartile, densities.end());
     proposal.texels_per_metre = round_number(std::clamp(*quartile, 50.0, 2000.0));
   }
-  double largest = 0;
-  for (std::size_t i = 0; i < model.polygons().size(); ++i) {
-    if (model.polygons()[i].is_backdrop) continue;
-    const glm::dvec2 extent = polygon_frame(model, i).extent;
-    largest = std::max({largest, extent.x, extent.y});
-  }
-  while (proposal.max_texels < 1024 && proposal.max_texels < largest * proposal.texels_per_metre) {
-    proposal.max_texels *= 2;
-  }
+  proposal.max_texels = max_texels_for(model, proposal.texels_per_metre);
+  return proposal;
+}
+
+TextureProposal propose_textures(const PolygonModel& model) {
+  constexpr double kFocalLength = 600;
+  const CameraSurroundings surroundings = find_surroundings(model, std::vector<Pose>(model.parts().size()), {});
+  TextureProposal proposal;
+  proposal.texels_per_metre = round_number(std::clamp(kFocalLength / surroundings.radius, 50.0, 2000.0));
+  proposal.max_texels = max_texels_for(model, proposal.texels_per_metre);
   return proposal;
 }
 

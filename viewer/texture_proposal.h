@@ -17,6 +17,10 @@ struct TextureProposal {
 /// within 256..1024.
 [[nodiscard]] TextureProposal propose_textures(const Recording& recording, const PolygonModel& model);
 
+/// Where no picture is known: as if a camera with a focal length of 600 pixels stood as far from everything as the ball
+/// around the model is wide from its middle; rounded and bounded likewise.
+[[nodiscard]] TextureProposal propose_textures(const PolygonModel& model);
+
 /// The one of 1, 1.5, 2, 3, 5, 7 times a power of ten whose ratio to `value` (positive) is nearest to 1.
 [[nodiscard]] double round_number(double value);
 

@@ -6,6 +6,12 @@
 
 namespace foreview {
 
+bool is_same_camera(const CameraModel& a, const CameraModel& b) {
+  return a.width == b.width && a.height == b.height && a.focal_length == b.focal_length &&
+         a.principal_point == b.principal_point && a.distortion_model == b.distortion_model &&
+         a.distortion == b.distortion;
+}
+
 Undistortion::Undistortion(const CameraModel& camera)
     : usable_(camera.height, camera.width, CV_8UC1, cv::Scalar::all(255)) {
   if (!camera.is_distorted()) return;

@@ -5,6 +5,9 @@
 
 namespace foreview {
 
+/// Whether pictures of the one are pictures of the other: all but the name.
+[[nodiscard]] bool is_same_camera(const CameraModel& a, const CameraModel& b);
+
 /// Takes the lens distortion out of a camera's pictures on the CPU: for showing and measuring; textures are undistorted
 /// on the GPU by the same rule. The result belongs to camera.undistorted(): same size, focal length, principal point.
 /// Each of its pixels takes the bilinear sample (positions rounded to 1/32 pixel) at the distorted position.

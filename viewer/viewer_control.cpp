@@ -36,7 +36,27 @@ void ViewerControl::set_camera_mode(CameraMode mode) {
   camera_.store(settings_.choice);
 }
 
+bool ViewerControl::needs_clock(ViewerAction action) {
+  switch (action) {
+    case ViewerAction::pause:
+    case ViewerAction::step_back:
+    case ViewerAction::step_forward:
+    case ViewerAction::to_start:
+    case ViewerAction::to_end:
+    case ViewerAction::slower:
+    case ViewerAction::faster:
+    case ViewerAction::toggle_loop:
+      return true;
+    default:
+      return false;
+  }
+}
+
 void ViewerControl::act(ViewerAction action) {
+  if (clock_ == nullptr && needs_clock(action)) {
+    refusal_ = kLiveHasNoTime;
+    return;
+  }
   ViewChoice& choice = settings_.choice;
   Overlays& overlays = choice.overlays;
   switch (action) {
@@ -105,16 +125,16 @@ void ViewerControl::act(ViewerAction action) {
     case ViewerAction::step_forward:
       return step(action == ViewerAction::step_forward);
     case ViewerAction::to_start:
-      if (clock_ != nullptr) clock_->seek(clock_->first());
+      clock_->seek(clock_->first());
       break;
     case ViewerAction::to_end:
-      if (clock_ != nullptr) scrub(clock_->last());
+      scrub(clock_->last());
       break;
     case ViewerAction::slower:
     case ViewerAction::faster:
       return change_speed(action == ViewerAction::faster ? 1 : -1);
     case ViewerAction::toggle_loop:
-      if (clock_ != nullptr) clock_->set_loop(!clock_->loop());
+      clock_->set_loop(!clock_->loop());
       break;
     case ViewerAction::less_delay:
     case ViewerAction::more_delay:
@@ -150,7 +170,6 @@ void ViewerControl::act(ViewerAction action) {
 }
 
 void ViewerControl::toggle_pause() {
-  if (clock_ == nullptr) return;
   if (clock_->playing() && !clock_->at_end()) {
     clock_->pause();
   } else {
@@ -165,7 +184,6 @@ void ViewerControl::scrub(Timestamp time) {
 }
 
 void ViewerControl::step(bool forward) {
-  if (clock_ == nullptr) return;
   clock_->pause();
   const Timestamp now = clock_->now().time;
   if (forward) {
@@ -178,7 +196,6 @@ void ViewerControl::step(bool forward) {
 }
 
 void ViewerControl::change_speed(int direction) {
-  if (clock_ == nullptr) return;
   const double now = clock_->speed();
   if (direction > 0) {
     const auto* const next = std::upper_bound(kSpeeds.begin(), kSpeeds.end(), now * 1.001);

@@ -58,6 +58,7 @@ class ViewerControl {
   [[nodiscard]] Settings& settings() { return settings_; }
   [[nodiscard]] const Settings& settings() const { return settings_; }
 
+  /// What nobody can do with a live stream (pause it) only makes refusal() say so.
   void act(ViewerAction action);
   /// The mouse as it is now; dragging turns and moves the camera, or the split line.
   void point(const FramePointer& pointer);
@@ -69,6 +70,8 @@ class ViewerControl {
   /// Through the camera, so that a change of mode is a movement; the choice follows.
   void set_camera_mode(CameraMode mode);
   [[nodiscard]] OperatorCamera& camera() { return camera_; }
+  /// The operator's camera has become another one.
+  void set_camera(const CameraModel& camera) { camera_model_ = camera; }
   /// Whether the mouse would take hold of the split line here.
   [[nodiscard]] bool over_split(const FramePointer& pointer) const;
   [[nodiscard]] bool dragging() const { return drag_ != Drag::none; }
@@ -77,15 +80,20 @@ class ViewerControl {
   /// Pauses and goes there.
   void scrub(Timestamp time);
   static constexpr std::array kSpeeds{0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
+  static constexpr const char* kLiveHasNoTime =
+      "a live stream cannot be paused, moved in time or slowed down; foreview record keeps it to be replayed";
   static constexpr double kMostDelay = 3;  ///< seconds, for keys and slider
 
   // Wishes, each once.
   [[nodiscard]] bool take_save_request() { return std::exchange(save_, false); }
   [[nodiscard]] bool take_copy_request() { return std::exchange(copy_, false); }
   [[nodiscard]] bool take_enter_request() { return std::exchange(enter_, false); }
+  /// Why the last action was not done; empty: it was, or this was asked already.
+  [[nodiscard]] std::string take_refusal() { return std::exchange(refusal_, {}); }
   [[nodiscard]] bool quit() const { return quit_; }
 
  private:
+  [[nodiscard]] static bool needs_clock(ViewerAction action);
   enum class Drag { none, split, turn, look, move };
   void set_mode(ViewMode mode);
   void step(bool forward);
@@ -103,6 +111,7 @@ class ViewerControl {
   std::bitset<kMoveKeys> held_;
   Drag drag_ = Drag::none;
   glm::dvec2 last_position_{0};
+  std::string refusal_;
   double held_seconds_ = 0;
   bool save_ = false, copy_ = false, enter_ = false, quit_ = false;
 };

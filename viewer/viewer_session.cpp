@@ -14,13 +14,14 @@
 
 #include "foreview/gpu/gl_objects.h"
 #include "foreview/scene/errors.h"
-#include "foreview/server/recording_player.h"
 #include "foreview/viewer/command_line.h"
 #include "foreview/viewer/display_errors.h"
 #include "foreview/viewer/frame_quality.h"
 #include "foreview/viewer/interrupt.h"
+#include "foreview/viewer/live_feed.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/process_age.h"
+#include "foreview/viewer/recording_feed.h"
 #include "foreview/viewer/viewer_stage.h"
 
 namespace foreview {
@@ -61,21 +62,24 @@ std::string renderer_of_current_context() {
   return text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
 }
 
+std::unique_ptr<Feed> make_feed(const ViewerOptions& options) {
+  if (options.live) return std::make_unique<LiveFeed>(*options.live, options.replay);
+  return std::make_unique<RecordingFeed>(
+      RecordingFeed::Options{options.replay, options.link, options.session.speed, options.session.loop});
+}
+
 class ViewerSession {
  public:
   explicit ViewerSession(const ViewerOptions& options)
       : options_(options),
         started_(steady_now()),
-        input_((window_.emplace("foreview", 960, 720), options.replay)),
-        span_(find_span(input_)),
-        clock_(clock_options()),
-        player_(input_.recording, input_.model, clock_, player_options()),
-        control_(control_options(), &clock_) {
+        feed_((window_.emplace("foreview", 960, 720), make_feed(options))),
+        source_(feed_->source()),
+        control_(control_options(), feed_->clock()),
+        applied_link_(options.link) {
     spdlog::debug("recording and model after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
     control_.settings().panels = options.panels;
-    status_.name = input_.recording.name();
-    status_.first = span_.first;
-    status_.last = span_.last;
+    status_.name = feed_->name();
   }
 
   ViewerSummary run() {
@@ -91,7 +95,7 @@ class ViewerSession {
       } catch (const ContextLost& error) {
         if (++summary_.contexts_lost > kMostContextsLost) throw;
         spdlog::warn("{}: beginning anew with a new one", error.what());
-        clock_.seek(clock_.now().time);
+        if (PlaybackClock* clock = feed_->clock()) clock->seek(clock->now().time);
         say("the graphics context was lost; textures are made anew", true);
         stage_.reset();
         window_.reset();
@@ -107,42 +111,19 @@ class ViewerSession {
  private:
   // Beginning.
 
-  [[nodiscard]] PlaybackClock::Options clock_options() const {
-    PlaybackClock::Options result;
-    result.first = span_.first;
-    result.last = span_.last;
-    result.speed = options_.session.speed;
-    result.loop = options_.session.loop;
-    result.playing = false;  // until there is something to see
-    return result;
-  }
-
-  [[nodiscard]] RecordingPlayer::Options player_options() const {
-    RecordingPlayer::Options result;
-    result.link = options_.link;
-    result.camera = input_.camera;
-    std::size_t most = 0;
-    for (const Recording::Camera& camera : input_.recording.cameras()) most = std::max(most, camera.pictures.size());
-    result.history = options_.replay.history ? *options_.replay.history - 1 : most;
-    return result;
-  }
-
   [[nodiscard]] ViewerControl::Options control_options() const {
     ViewerControl::Options result;
     result.choice = options_.session.choice;
     result.link = options_.link;
     result.pipeline = options_.replay.pipeline;
     result.extraction = options_.replay.extraction;
-    const Recording::Camera& camera = input_.recording.cameras()[input_.camera];
-    for (const Recording::PictureEntry& picture : camera.pictures) {
-      if (picture.stamp >= span_.first && picture.stamp <= span_.last) result.steps.push_back(picture.stamp);
+    if (const PlaybackClock* clock = feed_->clock()) {
+      for (const Recording::PictureEntry& picture : feed_->recording()->cameras()[feed_->camera()].pictures) {
+        if (picture.stamp >= clock->first() && picture.stamp <= clock->last()) result.steps.push_back(picture.stamp);
+      }
     }
-    result.camera = camera.model.undistorted();
-    std::vector<Pose> poses;
-    for (const auto& sample : camera.world_from_camera.samples()) poses.push_back(sample.pose);
-    const auto state = player_.predicted_state(span_.first);
-    const std::vector<Pose> parts = state ? state->world_from_part : std::vector<Pose>(input_.model.parts().size());
-    result.surroundings = find_surroundings(input_.model, parts, poses);
+    result.camera = feed_->camera_model().undistorted();
+    result.surroundings = feed_->surroundings();
     return result;
   }
 
@@ -157,14 +138,10 @@ class ViewerSession {
 
   void run_stage() {
     status_.renderer = renderer_of_current_context();
-    stage_.emplace(*window_, input_, player_, control_);
+    stage_.emplace(*window_, *feed_, control_);
     spdlog::debug("textures, views and panels after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
     applied_extraction_ = control_.settings().extraction;
-    if (!window_sized_) {
-      const FrameComposer::Size size = stage_->wanted_window();
-      window_->resize(size.width, size.height);
-      window_sized_ = true;
-    }
+    size_window();
     const bool waits = !is_software(status_.renderer);
     window_->set_swap_interval(waits ? 1 : 0);
     DisplayLoop::Options loop_options;
@@ -177,8 +154,9 @@ class ViewerSession {
     callbacks.draw = [this](const FrameMoment& moment) { draw(moment); };
     callbacks.present = [this] { present(); };
     callbacks.restart = [this] { stage_->scene().restart(); };
+    callbacks.displayed = [this](const PictureRecord& picture) { feed_->displayed(picture); };
     callbacks.frame_completed = [this](const FrameRecord& record) { note(record); };
-    DisplayLoop loop(stage_->scene().platform(), loop_options, stage_->scene().store(), player_, std::move(callbacks));
+    DisplayLoop loop(stage_->scene().platform(), loop_options, stage_->scene().store(), source_, std::move(callbacks));
     loop_ = &loop;
     extracting_ = false;
     status_.last_frames.clear();
@@ -193,6 +171,17 @@ class ViewerSession {
       throw;
     }
     finish(loop);
+  }
+
+  /// To the camera's pictures, once their size is known.
+  void size_window() {
+    if (window_sized_) return;
+    const CameraModel& camera = stage_->camera_model();
+    window_sized_ = feed_->camera_model_known() && is_same_camera(camera, feed_->camera_model());
+    if (window_sized_for_ && is_same_camera(*window_sized_for_, camera)) return;
+    window_sized_for_ = camera;
+    const FrameComposer::Size size = stage_->wanted_window();
+    window_->resize(size.width, size.height);
   }
 
   void finish(const DisplayLoop& loop) {
@@ -244,13 +233,15 @@ class ViewerSession {
       throw ContextLost("the graphics context was lost (asked for)");
     }
     if (window_->minimised()) return;
-    const Timestamp t = player_.time_at(moment.seen);
-    if (const std::uint64_t generation = player_.generation(); generation != generation_) {
+    const Timestamp t = source_.time_at(moment.seen);
+    if (const std::uint64_t generation = source_.generation(); generation != generation_) {
       generation_ = generation;
       since_ = t;
+      since_steady_ = moment.seen;
     }
     update_status(moment, t);
-    stage_->draw(moment, t, since_, status_);
+    // Live, the stamps' time is only estimated, and may leap.
+    stage_->draw(moment, t, source_.is_live() ? source_.time_at(since_steady_) : since_, status_);
     drawn_ = true;
     if (control_.take_save_request()) save(t);
   }
@@ -275,17 +266,19 @@ class ViewerSession {
     if (std::exchange(begun_, true)) return;
     spdlog::debug("extraction after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
     objects_at_first_ = live_gl_objects();
-    clock_.play();
+    if (PlaybackClock* clock = feed_->clock()) clock->play();
   }
 
   /// What must not happen while a frame is being drawn.
   void between_frames() {
     begin_extraction();
     const ViewerControl::Settings& settings = control_.settings();
-    if (settings.link != player_.link()) player_.set_link(settings.link);
+    if (settings.link != applied_link_) feed_->set_link(applied_link_ = settings.link);
     apply_extraction();
     if (control_.take_copy_request()) copy_command();
+    if (const std::string refusal = control_.take_refusal(); !refusal.empty()) say(refusal);
     if (saving_.valid() && saving_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) wait_for_saving();
+    size_window();
     set_title();
   }
 
@@ -366,7 +359,8 @@ class ViewerSession {
       picture.total_ms = static_cast<float>((pictures[i].finished - pictures[i].begun).seconds() * 1e3);
       status_.last_pictures.push_back(picture);
     }
-    status_.source = player_.status();
+    status_.source = source_.status();
+    feed_->tell(status_);
     status_.texture_bytes = stage_->scene().store().memory_bytes();
     status_.truth_known = stage_->truth_known();
     stage_->tell_probe(status_);
@@ -384,23 +378,34 @@ class ViewerSession {
     TitleInput title;
     title.name = status_.name;
     title.mode = control_.settings().choice.mode;
-    title.since_first = clock_.now().time - span_.first;
     title.delay = control_.settings().link.delay;
     title.rate = loop_->statistics().frames_per_second;
-    title.paused = !clock_.playing();
-    title.at_end = clock_.at_end();
+    if (const PlaybackClock* clock = feed_->clock()) {
+      title.since_first = clock->now().time - clock->first();
+      title.paused = !clock->playing();
+      title.at_end = clock->at_end();
+    } else {
+      title.live = true;
+      if (status_.newest_picture) title.age = status_.now - *status_.newest_picture;
+    }
     // Between two pictures it is idle for a moment.
-    if (!extracting_ || loop_->is_extracting() || clock_.now().generation != settled_generation_) {
+    if (const std::uint64_t generation = source_.generation();
+        !extracting_ || loop_->is_extracting() || generation != settled_generation_) {
       extracted_ = now;
-      settled_generation_ = clock_.now().generation;
+      settled_generation_ = generation;
     }
     title.extracting = now - extracted_ < kSettled;
     window_->set_title(viewer_title(title));
   }
 
   void copy_command() {
+    const Recording* recording = feed_->recording();
+    if (recording == nullptr) {
+      say("a live stream cannot be shown again without a window; foreview record keeps it to be replayed", true);
+      return;
+    }
     // Headless replay writes the times of pictures: the one shown, or the one before.
-    const auto index = input_.recording.newest_before(input_.camera, clock_.now().time + Duration{1});
+    const auto index = recording->newest_before(feed_->camera(), feed_->clock()->now().time + Duration{1});
     ReplayOptions replay = options_.replay;
     replay.extraction = control_.settings().extraction;
     replay.delay = control_.settings().link.delay;
@@ -416,9 +421,8 @@ class ViewerSession {
     wait_for_saving();
     const cv::Mat picture = stage_->take_picture();
     if (picture.empty()) return;
-    char time[32];
-    std::snprintf(time, sizeof time, "%.3fs", (t - input_.recording.first_stamp(input_.camera)).seconds());
-    const std::string stem = "foreview-" + status_.name + "-" + to_string(control_.settings().choice.mode) + "-" + time;
+    const std::string stem =
+        "foreview-" + status_.name + "-" + to_string(control_.settings().choice.mode) + "-" + feed_->time_in_name(t);
     std::filesystem::path file = options_.session.out / (stem + ".png");
     for (int i = 2; std::filesystem::exists(file); ++i) {
       file = options_.session.out / (stem + "-" + std::to_string(i) + ".png");
@@ -444,12 +448,16 @@ class ViewerSession {
   }
 
   void describe() {
-    const Timestamp start = input_.recording.first_stamp(input_.camera);
-    summary_.recording = input_.recording.name();
-    summary_.camera = input_.recording.cameras()[input_.camera].model.name;
-    summary_.from_seconds = (span_.first - start).seconds();
-    summary_.to_seconds = (span_.last - start).seconds();
-    summary_.source = player_.status();
+    summary_.recording = feed_->name();
+    summary_.camera = feed_->camera_model().name;
+    if (const Recording* recording = feed_->recording()) {
+      const Timestamp start = recording->first_stamp(feed_->camera());
+      summary_.from_seconds = (feed_->clock()->first() - start).seconds();
+      summary_.to_seconds = (feed_->clock()->last() - start).seconds();
+    }
+    summary_.source = source_.status();
+    feed_->tell(status_);
+    summary_.live = status_.live;
     summary_.counters.pictures_overwritten = summary_.source.overwritten;
     summary_.counters.pictures_damaged = summary_.source.damaged;
   }
@@ -457,11 +465,10 @@ class ViewerSession {
   const ViewerOptions& options_;
   const Timestamp started_;
   std::optional<Window> window_;
-  ReplayInput input_;
-  ReplaySpan span_;
-  PlaybackClock clock_;
-  RecordingPlayer player_;
+  const std::unique_ptr<Feed> feed_;
+  FrameSource& source_;
   ViewerControl control_;
+  LinkOptions applied_link_;
   ViewerStatus status_;
   std::optional<ViewerStage> stage_;
   DisplayLoop* loop_ = nullptr;
@@ -469,6 +476,7 @@ class ViewerSession {
   ViewerSummary summary_;
 
   std::optional<std::int64_t> lose_context_at_ = frame_to_lose_context_at();
+  std::optional<CameraModel> window_sized_for_;
   bool window_sized_ = false, first_ = true, drawn_ = false;
   bool extracting_ = false, begun_ = false;  ///< with the present contexts; ever
   bool present_waits_ = false, fast_ = false;
@@ -476,7 +484,7 @@ class ViewerSession {
   std::vector<Duration> drawing_;  ///< of the last frames, in full quality
   long objects_at_first_ = 0;
   std::uint64_t generation_ = ~std::uint64_t{0};
-  Timestamp since_;  ///< display time since which pictures have been waited for
+  Timestamp since_, since_steady_;  ///< since when pictures have been waited for: the source's time, and real time
   Timestamp said_, extracted_;
   std::uint64_t settled_generation_ = 0;
   std::optional<Timestamp> last_completed_, memory_asked_, titled_;
@@ -485,7 +493,7 @@ class ViewerSession {
 
 }  // namespace
 
-ViewerSummary view_recording(const ViewerOptions& options) {
+ViewerSummary view_feed(const ViewerOptions& options) {
   const long objects = live_gl_objects();
   ViewerSummary summary = ViewerSession(options).run();
   summary.objects_left = live_gl_objects() - objects;

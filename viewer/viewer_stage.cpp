@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "foreview/viewer/gl_debug.h"
 #include "foreview/viewer/panels.h"
 
 namespace foreview {
@@ -13,39 +13,32 @@ namespace {
 
 constexpr float kSmallestWidth = 43;  // in heights of text; small pictures are enlarged to about this
 
-LiveScene::Options scene_options(const ReplayInput& input, const ExtractionOptions& extraction) {
-  LiveScene::Options options;
-  options.pipeline = input.options.pipeline;
-  options.extraction = extraction;
-  options.charts = input.charts;
-  options.initial_textures =
-      input.options.load_textures ? input.options.load_textures : input.recording.initial_textures();
-  options.initial_textures_must_fit = input.options.load_textures.has_value();
-  options.debug = gl_debug_from_environment() != GlDebug::off;
+LiveScene::Options scene_options(const Feed& feed, const ExtractionOptions& extraction) {
+  LiveScene::Options options = feed.scene_options(extraction);
   options.beside_display = true;
   return options;
 }
 
 }  // namespace
 
-ViewerStage::ViewerStage(Window& window, const ReplayInput& input, RecordingPlayer& player, ViewerControl& control)
+ViewerStage::ViewerStage(Window& window, Feed& feed, ViewerControl& control)
     : window_(window),
-      input_(input),
-      player_(player),
+      feed_(feed),
       control_(control),
       interface_(window),
-      scene_(input.model, scene_options(input, control.settings().extraction), window.egl_display(),
+      scene_(feed.model(), scene_options(feed, control.settings().extraction), window.egl_display(),
              window.egl_context(), [&window] { window.make_current(); }),
       view_(scene_.store()),
-      frames_(player, input.camera, &input.recording),
-      camera_model_(input.recording.cameras()[input.camera].model.undistorted()) {
-  make_composer(control.settings().extraction.near_plane);
+      frames_(feed.source(), feed.camera(), feed.recording()),
+      camera_model_(feed.camera_model()) {
+  make_composer();
 }
 
-void ViewerStage::make_composer(double near_plane) {
-  const CameraModel& camera = input_.recording.cameras()[input_.camera].model;
-  composer_.emplace(view_, camera, near_plane);
-  probe_.emplace(view_, camera_model_, near_plane);
+void ViewerStage::make_composer() {
+  const double near_plane = control_.settings().extraction.near_plane;
+  composer_.emplace(view_, camera_model_, near_plane);
+  probe_.emplace(view_, camera_model_.undistorted(), near_plane);
+  control_.set_camera(camera_model_.undistorted());
 }
 
 void ViewerStage::tell_probe(ViewerStatus& status) const {
@@ -95,17 +88,21 @@ void ViewerStage::advance_camera(const FrameMoment& moment, Timestamp t) {
   const double passed = advanced_to_ ? (moment.now - *advanced_to_).seconds() : 0;
   advanced_to_ = moment.now;
   control_.hold(interface_.wants_keys() ? std::bitset<kMoveKeys>{} : window_.held_moves());
-  const Timestamp now = player_.time_at(moment.now);
-  const auto recorded_now = player_.predicted_state(now), recorded_then = player_.predicted_state(t);
+  const Timestamp now = feed_.source().time_at(moment.now);
+  const auto recorded_now = feed_.source().predicted_state(now), recorded_then = feed_.source().predicted_state(t);
   if (!recorded_then) return;
   // Long pauses (a menu of the window system, a debugger) are no movement.
   constexpr double kLongest = 0.25;
   control_.advance(std::clamp(passed, 0.0, kLongest),
                    (recorded_now ? *recorded_now : *recorded_then).world_from_camera);
-  camera_ = control_.camera().pose_ahead((moment.seen - moment.now).seconds(), recorded_then->world_from_camera);
 }
 
 void ViewerStage::draw(const FrameMoment& moment, Timestamp t, Timestamp since, const ViewerStatus& status) {
+  // Live, it becomes known, and may change.
+  if (CameraModel model = feed_.camera_model(); !is_same_camera(model, camera_model_)) {
+    camera_model_ = std::move(model);
+    make_composer();
+  }
   interface_.begin();
   if (control_.take_enter_request()) interface_.enter();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -121,7 +118,9 @@ void ViewerStage::draw(const FrameMoment& moment, Timestamp t, Timestamp since, 
 
   // After the panels, whose sliders it shows at once; mode and size are as the panels left them.
   frame_size_ = composer_->fitting_size(choice.mode, view_area_.width, view_area_.height);
-  shown_ = &frames_.at(t, since, moment, choice, camera_);
+  const double ahead = (moment.seen - moment.now).seconds();
+  shown_ = &frames_.at(t, since, moment, choice,
+                       [&](const Pose& recorded) { return control_.camera().pose_ahead(ahead, recorded); });
   ViewChoice drawn = choice;
   if (display_quality_ == ViewQuality::fast) drawn.quality = ViewQuality::fast;
   composer_->compose(*shown_, drawn, frame_size_);
@@ -143,7 +142,7 @@ cv::Mat ViewerStage::take_picture() {
 
 void ViewerStage::set_extraction(const ExtractionOptions& options) {
   scene_.replace_extraction(options);
-  make_composer(options.near_plane);
+  make_composer();
 }
 
 }  // namespace foreview

@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "foreview/server/recording_player.h"
 #include "foreview/viewer/display_loop.h"
+#include "foreview/viewer/feed.h"
 #include "foreview/viewer/frame_composer.h"
 #include "foreview/viewer/interface.h"
 #include "foreview/viewer/live_frames.h"
@@ -10,7 +10,6 @@
 #include "foreview/viewer/panel_layout.h"
 #include "foreview/viewer/polygon_probe.h"
 #include "foreview/viewer/predicted_view.h"
-#include "foreview/viewer/replay_input.h"
 #include "foreview/viewer/viewer_control.h"
 #include "foreview/viewer/viewer_status.h"
 #include "foreview/viewer/window.h"
@@ -22,10 +21,12 @@ namespace foreview {
 class ViewerStage {
  public:
   /// All must outlive the stage; the window's context is current.
-  ViewerStage(Window& window, const ReplayInput& input, RecordingPlayer& player, ViewerControl& control);
+  ViewerStage(Window& window, Feed& feed, ViewerControl& control);
 
   [[nodiscard]] LiveScene& scene() { return scene_; }
   [[nodiscard]] Interface& interface() { return interface_; }
+  /// The operator's, as the last frame was drawn for.
+  [[nodiscard]] const CameraModel& camera_model() const { return camera_model_; }
   /// Size of the window for a picture in its own size, or enlarged if that is small, with the panels beside it.
   [[nodiscard]] FrameComposer::Size wanted_window() const;
 
@@ -44,12 +45,12 @@ class ViewerStage {
   void set_extraction(const ExtractionOptions& options);
 
  private:
+  void make_composer();
   void take_in_mouse();
   void advance_camera(const FrameMoment& moment, Timestamp t);
 
   Window& window_;
-  const ReplayInput& input_;
-  RecordingPlayer& player_;
+  Feed& feed_;
   ViewerControl& control_;
   Interface interface_;
   LiveScene scene_;
@@ -57,16 +58,14 @@ class ViewerStage {
   std::optional<FrameComposer> composer_;
   std::optional<PolygonProbe> probe_;
   std::optional<glm::dvec2> cursor_;  ///< pixels of the frame
-  void make_composer(double near_plane);
   LiveFrames frames_;
-  CameraModel camera_model_;  ///< without distortion
+  CameraModel camera_model_;  ///< as it takes pictures
   PanelLayout layout_;
   Window::Area view_area_;  ///< pixels
   FrameComposer::Size frame_size_;
   FrameInput* shown_ = nullptr;
   ViewQuality display_quality_ = ViewQuality::full;
   std::optional<Timestamp> advanced_to_;  ///< steady clock
-  Pose camera_;
 };
 
 }  // namespace foreview

@@ -43,6 +43,11 @@ std::string count_text(std::size_t count) {
 }
 
 std::string viewer_title(const TitleInput& input) {
+  if (input.live) {
+    return "foreview: " + input.name + " | " + to_string(input.mode) + " | live | " +
+           (input.age ? age_text(*input.age) + " old" : std::string("no picture yet")) +
+           formatted(" | %.0f fps", input.rate);
+  }
   std::string title = "foreview: " + input.name +
                       formatted(" | %s | %.2f s | delay %.0f ms | %.0f fps", to_string(input.mode),
                                 input.since_first.seconds(), input.delay.seconds() * 1e3, input.rate);

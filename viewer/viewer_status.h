@@ -9,6 +9,7 @@
 #include "foreview/gpu/extraction.h"
 #include "foreview/scene/timestamp.h"
 #include "foreview/server/frame_source.h"
+#include "foreview/viewer/live_report.h"
 #include "foreview/viewer/polygon_report.h"
 #include "foreview/viewer/view_choice.h"
 
@@ -42,6 +43,7 @@ struct ViewerStatus {
   static constexpr std::size_t kPictures = 48;
   double pictures_per_second = 0;
   SourceStatus source;
+  std::optional<LiveReport> live;  ///< of live streams
 
   // Memory, in bytes.
   std::size_t texture_bytes = 0;
@@ -76,7 +78,9 @@ struct TitleInput {
   Duration delay;
   double rate = 0;
   bool paused = false, at_end = false;
-  bool extracting = false;  ///< only told of where time stands: else it is always so
+  bool live = false;            ///< no time of its own, no delay that was chosen
+  std::optional<Duration> age;  ///< live: of the newest picture
+  bool extracting = false;      ///< only told of where time stands: else it is always so
 };
 [[nodiscard]] std::string viewer_title(const TitleInput& input);
 /// The upper end of a plot's axis: the smallest of 1, 2, 5, 10, 20, 50 ... that is not below `greatest`.

@@ -270,9 +270,14 @@ TEST(ViewerControlLive, NothingCanStopTime) {
        {ViewerAction::pause, ViewerAction::step_back, ViewerAction::step_forward, ViewerAction::to_start,
         ViewerAction::to_end, ViewerAction::faster, ViewerAction::slower, ViewerAction::toggle_loop}) {
     control.act(action);
+    EXPECT_NE(control.take_refusal().find("live"), std::string::npos) << "no reason was given";
+    EXPECT_EQ(control.take_refusal(), "") << "said twice";
   }
   control.scrub(at(3));
   EXPECT_FALSE(control.quit());
+  control.act(ViewerAction::more_delay);
+  EXPECT_EQ(control.take_refusal(), "") << "a simulated link is in front of live streams, too";
+  EXPECT_GT(control.settings().link.delay, Duration{});
 }
 
 }  // namespace

@@ -52,6 +52,10 @@ TEST(ViewerStatus, Title) {
   EXPECT_EQ(viewer_title(input), "foreview: workcell | split | 1.23 s | delay 500 ms | 50 fps | end | extracting");
   input.paused = input.at_end = false;
   EXPECT_EQ(viewer_title(input), "foreview: workcell | split | 1.23 s | delay 500 ms | 50 fps");
+  input.live = true;
+  EXPECT_EQ(viewer_title(input), "foreview: workcell | split | live | no picture yet | 50 fps");
+  input.age = Duration::from_seconds(0.0834);
+  EXPECT_EQ(viewer_title(input), "foreview: workcell | split | live | 83 ms old | 50 fps");
 }
 
 TEST(ViewerStatus, PlotsEndAtRoundFigures) {
