@@ -369,6 +369,63 @@ TEST(LiveSource, ReaderDoesNotWaitForASlowDecoder) {
   expect_balance(robot.source);
 }
 
+TEST(LiveSource, CountsByCameraWhatBecameOfPictures) {
+  LiveSource::Options options;
+  options.cameras = {{"left", "optical", false}, {"right", "elsewhere", false}};
+  LiveSource source(options);
+  const LiveRobot robot;  // for its messages
+  CameraModel camera;
+  camera.width = 32;
+  camera.height = 24;
+  camera.focal_length = {30, 30};
+  camera.principal_point = {16, 12};
+  for (const std::size_t c : {0, 1}) source.on_camera_info(c, info_from_camera(camera));
+  for (int i = 0; i < 4; ++i) {
+    source.on_transforms({{{{LiveRobot::stamp(i), "world"}, "optical", Pose()}}}, false);
+    for (const std::size_t c : {0, 1}) {
+      CompressedImageMessage message{{LiveRobot::stamp(i), c == 0 ? "optical" : "elsewhere"}, "jpeg", {}};
+      cv::imencode(".jpg", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(9)), message.data);
+      if (i == 3 && c == 0) message.data.resize(message.data.size() / 2);
+      source.on_picture(c, message, robot.reception());
+      if (i == 1) source.on_picture(c, message, robot.reception());
+    }
+    ASSERT_TRUE(settled(source));
+    if (i != 1) static_cast<void>(source.take());
+  }
+  const SourceStatus status = source.status();
+  ASSERT_EQ(status.cameras.size(), 2U);
+  const PictureCounts &left = status.cameras[0], &right = status.cameras[1];
+  EXPECT_EQ(left.in, 4U);
+  EXPECT_EQ(left.used, 2U);
+  EXPECT_EQ(left.overwritten, 1U);
+  EXPECT_EQ(left.damaged, 1U);
+  EXPECT_EQ(left.stateless, 0U);
+  EXPECT_EQ(left.duplicated, 1U);
+  EXPECT_EQ(right.in, 4U);
+  EXPECT_EQ(right.stateless, 4U) << "its frame is not known";
+  EXPECT_EQ(right.used + right.damaged + right.overwritten, 0U);
+  EXPECT_EQ(status.pictures_in, 8U);
+  EXPECT_EQ(status.duplicated, 2U);
+  EXPECT_EQ(status.stateless, 4U);
+}
+
+TEST(LiveSource, IsHeardByWhateverComes) {
+  LiveRobot robot;
+  EXPECT_TRUE(robot.source.is_live());
+  EXPECT_FALSE(robot.source.status().last_heard);
+  robot.send_pose(0);
+  const SourceStatus first = robot.source.status();
+  ASSERT_TRUE(first.last_heard);
+  EXPECT_LT((first.now - *first.last_heard).seconds(), 5);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  const SourceStatus silent = robot.source.status();
+  EXPECT_GE(silent.now - *silent.last_heard, milliseconds(30)) << "silence is not life";
+  robot.send_info();
+  EXPECT_LT(robot.source.status().now - *robot.source.status().last_heard,
+            silent.now - *silent.last_heard + milliseconds(30));
+  EXPECT_GT(*robot.source.status().last_heard, *silent.last_heard);
+}
+
 TEST(LiveSource, MeasuresLatency) {
   LiveRobot robot;
   robot.send_info();

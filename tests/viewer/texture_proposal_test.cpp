@@ -50,5 +50,15 @@ TEST(TextureProposal, WithoutAnythingInViewIsTheUsual) {
   EXPECT_DOUBLE_EQ(proposal.texels_per_metre, 500);
 }
 
+TEST(TextureProposal, OfAModelAloneGoesByItsSize) {
+  // The ball around wall and board has a radius of some 2.3 m (2.6 pixels of 600 a centimetre); the wall spans 3 m.
+  RawMesh mesh = test::SmallSite::mesh();
+  const TextureProposal proposal = propose_textures(build_polygon_model(mesh, {.backdrop = true}));
+  EXPECT_DOUBLE_EQ(proposal.texels_per_metre, 300);
+  EXPECT_EQ(proposal.max_texels, 1024);
+  for (glm::dvec3& vertex : mesh.vertices) vertex *= 0.1;
+  EXPECT_DOUBLE_EQ(propose_textures(build_polygon_model(mesh, {.backdrop = false})).texels_per_metre, 2000);
+}
+
 }  // namespace
 }  // namespace foreview
