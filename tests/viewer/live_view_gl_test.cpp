@@ -11,7 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <random>
-#include <set>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -151,6 +151,34 @@ TEST_F(LiveView, EveryPictureArrivesOrIsCounted) {
   EXPECT_GT(done["latency_ms"]["capture_to_display_median"], 0);
   EXPECT_LT(done["latency_ms"]["capture_to_display_median"], 10'000);
   EXPECT_NE(viewer->standard_output().find("capture to display"), std::string::npos) << viewer->standard_output();
+}
+
+TEST_F(LiveView, SomeSecondsOfTheKitchen) {
+  const fs::path kitchen = fs::path(FOREVIEW_SHARED_DIR) / "recordings" / "kitchen";
+  if (!fs::exists(kitchen / "scene.ply")) GTEST_SKIP() << kitchen << " is not there: a real robot was NOT tested";
+  const auto viewer =
+      view(kitchen,
+           join(topics({"kitchen"}), {"--headless", "--until-silent", "4s", "--out", out_.string(), "--every", "10"}));
+  const auto sender = send(kitchen);
+  // Importing the model takes its time.
+  const std::regex something("kitchen: [1-9][0-9]* in");
+  for (int i = 0; i < kPatience * 10 && !std::regex_search(viewer->standard_error(), something); ++i) pause(0.1);
+  pause(4);
+  sender->send_signal(SIGINT);
+  ASSERT_EQ(sender->wait(kPatience), 130) << sender->standard_error();
+  ASSERT_EQ(viewer->wait(kPatience), 0) << viewer->standard_error();
+  const std::string log = sender->standard_error();
+  const std::size_t end = log.find(" pictures sent");
+  ASSERT_NE(end, std::string::npos) << log;
+  const std::size_t sent = std::stoul(log.substr(log.rfind(' ', end - 1) + 1));
+  EXPECT_GT(sent, 30U);
+  const json done = summary();
+  EXPECT_EQ(arrived_or_counted(done["cameras"][0]), sent) << done["cameras"];
+  expect_balance(done["cameras"][0]);
+  ASSERT_GE(done["saved"].size(), 1U) << done;
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(cv::imread(done["saved"].back()["file"].get<std::string>()), mean, deviation);
+  EXPECT_GT(deviation[1], 20) << "the frame shows nothing";
 }
 
 TEST_F(LiveView, TwoCamerasGiveTheSameImagesAsAReplay) {
