@@ -136,7 +136,11 @@ class LiveHeadless {
     }
     if (now - told_at_ > kTellAgain) {
       told_at_ = now;
-      spdlog::info("{}", to_text(feed_.report()));
+      // Silence once, not every two seconds.
+      if (std::string text = to_text(feed_.report()); text != told_) {
+        spdlog::info("{}", text);
+        told_ = std::move(text);
+      }
     }
     const bool all_used = pictures_in_ == status.used + status.overwritten + status.damaged + status.stateless;
     return !(options_.until_silent && pictures_in_ > 0 && now - last_came_ > *options_.until_silent && all_used &&
@@ -280,6 +284,7 @@ class LiveHeadless {
   PacingRun run_;
   Timestamp begun_, since_, last_came_, told_at_ = steady_now();
   std::uint64_t generation_ = ~std::uint64_t{0};
+  std::string told_;
   std::size_t pictures_in_ = 0, pictures_shown_ = 0;
   std::optional<Timestamp> shown_;     ///< the picture of the operator's camera shown last
   std::optional<Timestamp> saved_at_;  ///< steady
