@@ -17,6 +17,7 @@ namespace foreview {
 struct Exposure {
   float shown[4] = {1, 1, 1, 0};    ///< red, green, blue: gain of the newest picture
   float inverse[4] = {1, 1, 1, 0};  ///< 1 / gain of the picture extracted last, which may have come late
+  bool operator==(const Exposure&) const = default;
 };
 
 }  // namespace foreview

@@ -53,6 +53,7 @@ class TextureStore {
   struct PolygonState {
     float red = 0, green = 0, blue = 0;  ///< mean colour of what was observed, 0..1; or the neighbours', if never seen
     float seen = 0;                      ///< 1 once any texel was observed, else 0; 0.5: colour spread from neighbours
+    bool operator==(const PolygonState&) const = default;
   };
   [[nodiscard]] GLuint polygon_states() const { return sets_->polygon_states(); }
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <cstring>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <random>
@@ -77,7 +76,7 @@ inline std::string difference(const TextureBytes& a, const TextureBytes& b) {
     }
   }
   for (std::size_t i = 0; i < a.states.size(); ++i) {
-    if (std::memcmp(&a.states[i], &b.states[i], sizeof a.states[i]) != 0) return "state " + std::to_string(i);
+    if (a.states[i] != b.states[i]) return "state " + std::to_string(i);
   }
   for (std::size_t page = 0; page < a.capture_times.size(); ++page) {
     if (cv::norm(a.capture_times[page], b.capture_times[page], cv::NORM_INF) != 0) {

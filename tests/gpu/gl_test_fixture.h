@@ -14,13 +14,6 @@ class GlTest : public ::testing::Test {
  public:
   GlTest(const GlTest&) = delete;
   GlTest& operator=(const GlTest&) = delete;
-
- protected:
-  /// Derived fixtures may use GL in their constructors. Where no context can be made, every test of the program fails.
-  GlTest() {
-    context().make_current();
-    live_before_ = live_gl_objects();
-  }
   ~GlTest() override {
     context().make_current();  // a test may have made, and destroyed, one of its own
     EXPECT_EQ(live_gl_objects(), live_before_) << "GL objects of this test are still alive";
@@ -28,6 +21,12 @@ class GlTest : public ::testing::Test {
     glUseProgram(0);
   }
 
+ protected:
+  /// Derived fixtures may use GL in their constructors. Where no context can be made, every test of the program fails.
+  GlTest() {
+    context().make_current();
+    live_before_ = live_gl_objects();
+  }
   [[nodiscard]] static OffscreenContext& context() {
     static OffscreenContext the_context(debug_options());
     static const bool callback_installed = (install_debug_callback(true), true);

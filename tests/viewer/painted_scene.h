@@ -117,7 +117,7 @@ inline CameraModel pinhole(int width, int height, double focal_length) {
 }
 
 inline Rgb pixel(const cv::Mat& picture, int x, int y) {
-  const auto bgr = picture.at<cv::Vec3b>(y, x);
+  const auto& bgr = picture.at<cv::Vec3b>(y, x);
   return {bgr[2], bgr[1], bgr[0]};
 }
 

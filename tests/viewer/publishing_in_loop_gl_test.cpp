@@ -91,8 +91,7 @@ bool same(const Textures& a, const Textures& b) {
   for (std::size_t i = 0; i < a.blocks.size(); ++i) {
     if (std::memcmp(a.blocks[i].data, b.blocks[i].data, a.blocks[i].total() * 4) != 0) return false;
   }
-  return std::memcmp(a.states.data(), b.states.data(), a.states.size() * sizeof a.states[0]) == 0 &&
-         std::memcmp(&a.exposure, &b.exposure, sizeof a.exposure) == 0;
+  return a.states == b.states && a.exposure == b.exposure;
 }
 
 class PublishingInLoop : public GlTest, public ::testing::WithParamInterface<PipelineKind> {

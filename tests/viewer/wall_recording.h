@@ -31,7 +31,8 @@ struct WallRecording {
       for (int u = 0; u < kWidth; ++u) {
         Rgb sum(0);
         for (int s = 0; s < 16; ++s) {
-          const glm::dvec3 ray = model.ray_from_pixel({u + (s % 4 + 0.5) / 4, v + (s / 4 + 0.5) / 4});
+          const int row = s / 4, column = s % 4;
+          const glm::dvec3 ray = model.ray_from_pixel({u + (column + 0.5) / 4, v + (row + 0.5) / 4});
           const glm::dvec3 p = pose.translation + ray * (2 / ray.z);
           sum += wall(p.x, p.y);
         }
