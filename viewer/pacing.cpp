@@ -70,6 +70,7 @@ ResourceCounts count_resources() {
 }
 
 void PacingRun::add(const FrameRecord& frame) {
+  frames_late += frame.completed > frame.due ? 1 : 0;
   add_kept(frames, frame, frames_dropped);
 }
 
@@ -96,7 +97,6 @@ PacingSummary summary_of(const PacingRun& run) {
   std::vector<double> completions, intervals, drawing, pictures, displayed;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     const FrameRecord& frame = run.frames[i];
-    summary.late += frame.completed > frame.due ? 1 : 0;
     completions.push_back(milliseconds(frame.completed - frame.due));
     drawing.push_back(milliseconds(frame.completed - frame.started));
     if (i > 0) intervals.push_back(milliseconds(frame.completed - run.frames[i - 1].completed));
@@ -105,11 +105,12 @@ PacingSummary summary_of(const PacingRun& run) {
     pictures.push_back(milliseconds(picture.finished - picture.begun));
     if (picture.displayed > Timestamp{}) displayed.push_back(milliseconds(picture.age_when_displayed));
   }
-  summary.frames = run.frames.size();
+  summary.frames = run.frames.size() + run.frames_dropped;
+  summary.late = run.frames_late;
   summary.skipped = run.schedule.skipped;
   summary.missed = run.schedule.missed;
   summary.slices = run.schedule.slices;
-  summary.pictures = run.pictures.size();
+  summary.pictures = run.pictures.size() + run.pictures_dropped;
   if (seconds > 0) {
     summary.frames_per_second = static_cast<double>(summary.frames) / seconds;
     summary.pictures_per_second = static_cast<double>(summary.pictures) / seconds;
@@ -128,7 +129,12 @@ double part_as_punctual(const PacingRun& run, const PacingRun& reference) {
   const auto punctual = std::count_if(run.frames.begin(), run.frames.end(), [&](const FrameRecord& frame) {
     return milliseconds(frame.completed - frame.due) <= latest;
   });
-  const auto due = static_cast<std::int64_t>(run.frames.size()) + run.schedule.skipped + run.schedule.missed;
+  auto due = static_cast<std::int64_t>(run.frames.size()) + run.schedule.skipped + run.schedule.missed;
+  if (run.frames_dropped > 0) {
+    // Of those that are kept; what was skipped and missed among them shows as gaps.
+    const Duration span = run.frames.back().due - run.frames.front().due;
+    due = 1 + (span.nanoseconds + run.period.nanoseconds / 2) / run.period.nanoseconds;
+  }
   return due > 0 ? static_cast<double>(punctual) / static_cast<double>(due) : 1.0;
 }
 

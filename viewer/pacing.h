@@ -27,6 +27,7 @@ struct PacingRun {
   std::vector<FrameRecord> frames;
   std::vector<PictureRecord> pictures;                   ///< finished and, where there are frames, displayed
   std::size_t frames_dropped = 0, pictures_dropped = 0;  ///< beyond kKept
+  std::size_t frames_late = 0;                           ///< complete after they were due, of all
   FrameSchedule::Statistics schedule;                    ///< since `started`
   std::size_t restarts = 0;                              ///< leaps from the recording's end to its start
   struct Kind {
@@ -52,7 +53,7 @@ struct PacingRun {
   void add(const PictureRecord& picture);
 };
 
-/// How a run's frames were spread in time, milliseconds.
+/// What became of a run's frames, all of them, and how those that were kept were spread in time, milliseconds.
 struct PacingSummary {
   std::size_t frames = 0, late = 0;
   std::int64_t skipped = 0, missed = 0, slices = 0;

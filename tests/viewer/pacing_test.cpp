@@ -67,6 +67,24 @@ TEST(Pacing, PunctualIsWithinAQuarterPeriodOfTheReferencesMean) {
   EXPECT_NEAR(part_as_punctual(run, reference), 0.5, 1e-9);
 }
 
+TEST(Pacing, CountsAllFramesOfALongRun) {
+  constexpr std::size_t kFrames = 5 * PacingRun::kKept;
+  std::vector<double> completions(kFrames, -1);
+  for (std::size_t i = 0; i < kFrames; i += 100) completions[i] = 7;
+  PacingRun run = run_of(completions);
+  ASSERT_GT(run.frames_dropped, 0U);
+  PacingSummary summary = summary_of(run);
+  EXPECT_EQ(summary.frames, kFrames);
+  EXPECT_EQ(summary.late, kFrames / 100);
+  EXPECT_NEAR(summary.frames_per_second, 50, 1e-9);
+  EXPECT_NEAR(part_as_punctual(run, run_of({-1})), 0.99, 1e-4) << "of those kept";
+  run.schedule.missed = 1'000;
+  EXPECT_NEAR(part_as_punctual(run, run_of({-1})), 0.99, 1e-4) << "among those dropped";
+  run.frames.erase(run.frames.end() - 11, run.frames.end() - 1);
+  const double kept = static_cast<double>(run.frames.size());
+  EXPECT_NEAR(part_as_punctual(run, run_of({-1})), 0.99 * kept / (kept + 10), 1e-4) << "missed at the end of the run";
+}
+
 TEST(Pacing, ALongRunDoesNotGrow) {
   PacingRun run;
   FrameRecord frame;
