@@ -146,13 +146,14 @@ class BusyWork {
 
 /// The fixture's context is the display's.
 class PublishingTest : public GlTest {
+ public:
+  ~PublishingTest() override { context().make_current(); }
+
  protected:
   PublishingTest() : extraction_(sharing()) {
     install_debug_callback(true);
     context().make_current();
   }
-  ~PublishingTest() override { context().make_current(); }
-
   static OffscreenContext::Options sharing() {
     OffscreenContext::Options options;
     options.debug = true;

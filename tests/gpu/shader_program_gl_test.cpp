@@ -11,6 +11,9 @@ namespace foreview {
 namespace {
 
 class ShaderProgram : public GlTest {
+ public:
+  ~ShaderProgram() override { set_shader_directory(""); }
+
  protected:
   ShaderProgram() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -19,7 +22,6 @@ class ShaderProgram : public GlTest {
     std::filesystem::create_directories(directory_);
     set_shader_directory(directory_.c_str());
   }
-  ~ShaderProgram() override { set_shader_directory(""); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(directory_ / name) << text; }
   std::filesystem::path directory_;
 };

@@ -13,6 +13,9 @@ namespace foreview {
 namespace {
 
 class ShaderDirectory : public ::testing::Test {
+ public:
+  ~ShaderDirectory() override { set_shader_directory(""); }
+
  protected:
   ShaderDirectory() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -21,7 +24,6 @@ class ShaderDirectory : public ::testing::Test {
     std::filesystem::create_directories(directory_);
     set_shader_directory(directory_.c_str());
   }
-  ~ShaderDirectory() override { set_shader_directory(""); }
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(directory_ / name, std::ios::binary) << text;
   }

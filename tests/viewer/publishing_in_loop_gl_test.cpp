@@ -95,6 +95,9 @@ bool same(const Textures& a, const Textures& b) {
 }
 
 class PublishingInLoop : public GlTest, public ::testing::WithParamInterface<PipelineKind> {
+ public:
+  ~PublishingInLoop() override { context().make_current(); }
+
  protected:
   static OffscreenContext::Options sharing() {
     OffscreenContext::Options options;
@@ -117,8 +120,6 @@ class PublishingInLoop : public GlTest, public ::testing::WithParamInterface<Pip
     options_.compensate_exposure = GetParam() == PipelineKind::batched;
     for (std::size_t i = 0; i < site_.instants; ++i) source_.pictures.push_back(frame(i));
   }
-  ~PublishingInLoop() override { context().make_current(); }
-
   [[nodiscard]] CameraFrame frame(std::size_t instant) const {
     CameraFrame result;
     result.camera = site_.camera;
