@@ -9,6 +9,10 @@ ViewQuality quality_that_fits(Duration full_frame, Duration period) {
   return full_frame.seconds() <= kFullQualityPart * period.seconds() ? ViewQuality::full : ViewQuality::fast;
 }
 
+bool is_software_renderer(std::string_view renderer) {
+  return renderer.find("llvmpipe") != std::string_view::npos || renderer.find("softpipe") != std::string_view::npos;
+}
+
 Duration measure_frame(LoopPlatform& platform, const std::function<void()>& draw) {
   std::array<Duration, 5> took{};
   draw();  // shaders are compiled

@@ -8,7 +8,6 @@
 #include "foreview/scene/errors.h"
 #include "foreview/scene/input_file.h"
 #include "foreview/viewer/formatted.h"
-#include "foreview/viewer/gl_debug.h"
 #include "foreview/viewer/replay_input.h"
 
 namespace foreview {
@@ -96,13 +95,8 @@ LiveFeed::LiveFeed(const Options& options, const ReplayOptions& replay)
 }
 
 LiveScene::Options LiveFeed::scene_options(const ExtractionOptions& extraction) const {
-  LiveScene::Options options;
-  options.pipeline = replay_.pipeline;
+  LiveScene::Options options = live_scene_options(replay_, scene_.charts, scene_.initial_textures);
   options.extraction = extraction;
-  options.charts = scene_.charts;
-  options.initial_textures = replay_.load_textures ? replay_.load_textures : scene_.initial_textures;
-  options.initial_textures_must_fit = replay_.load_textures.has_value();
-  options.debug = gl_debug_from_environment() != GlDebug::off;
   return options;
 }
 

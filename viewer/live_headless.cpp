@@ -112,10 +112,7 @@ class LiveHeadless {
   void install() const {
     if (debug_ != GlDebug::off) install_debug_callback(debug_ == GlDebug::fatal);
   }
-  [[nodiscard]] bool is_software() const {
-    const std::string renderer = display_.renderer();
-    return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
-  }
+  [[nodiscard]] bool is_software() const { return is_software_renderer(display_.renderer()); }
   [[nodiscard]] std::filesystem::path directory() const { return options_.out / to_string(options_.choice.mode); }
 
   /// Live, it becomes known, and may change.

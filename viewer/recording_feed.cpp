@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "foreview/viewer/formatted.h"
-#include "foreview/viewer/gl_debug.h"
 
 namespace foreview {
 namespace {
@@ -38,14 +37,8 @@ RecordingFeed::RecordingFeed(const Options& options)
       player_(input_.recording, input_.model, clock_, player_options(options, input_)) {}
 
 LiveScene::Options RecordingFeed::scene_options(const ExtractionOptions& extraction) const {
-  LiveScene::Options options;
-  options.pipeline = input_.options.pipeline;
+  LiveScene::Options options = live_scene_options(input_.options, input_.charts, input_.recording.initial_textures());
   options.extraction = extraction;
-  options.charts = input_.charts;
-  options.initial_textures =
-      input_.options.load_textures ? input_.options.load_textures : input_.recording.initial_textures();
-  options.initial_textures_must_fit = input_.options.load_textures.has_value();
-  options.debug = gl_debug_from_environment() != GlDebug::off;
   return options;
 }
 

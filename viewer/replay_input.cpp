@@ -11,6 +11,7 @@
 
 #include "foreview/recordings/builtin.h"
 #include "foreview/scene/errors.h"
+#include "foreview/viewer/gl_debug.h"
 #include "foreview/viewer/interrupt.h"
 #include "foreview/viewer/progress.h"
 #include "foreview/viewer/texture_proposal.h"
@@ -143,6 +144,18 @@ ReplaySpan find_span(const ReplayInput& input) {
   if (from > recording.first_stamp(camera) && known(from)) span.first = from;
   if (to < recording.last_stamp(camera) && known(to)) span.last = to;
   return span;
+}
+
+LiveScene::Options live_scene_options(const ReplayOptions& options, const ChartOptions& charts,
+                                      const std::optional<std::filesystem::path>& initial_textures) {
+  LiveScene::Options result;
+  result.pipeline = options.pipeline;
+  result.extraction = options.extraction;
+  result.charts = charts;
+  result.initial_textures = options.load_textures ? options.load_textures : initial_textures;
+  result.initial_textures_must_fit = options.load_textures.has_value();
+  result.debug = gl_debug_from_environment() != GlDebug::off;
+  return result;
 }
 
 }  // namespace foreview

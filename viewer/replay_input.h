@@ -1,10 +1,12 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 
 #include "foreview/recordings/recording.h"
 #include "foreview/scene/chart_layout.h"
 #include "foreview/scene/polygon_model.h"
+#include "foreview/viewer/live_scene.h"
 #include "foreview/viewer/replayer.h"
 
 namespace foreview {
@@ -17,6 +19,11 @@ namespace foreview {
 [[nodiscard]] PolygonModel import_scene(const std::filesystem::path& file, const ImportOptions& options);
 /// How fine textures are that no recording proposes anything for; needs a current GL context, for its limits.
 [[nodiscard]] ChartOptions chart_options_for(const ReplayOptions& options, const PolygonModel& model);
+
+/// A scene as `options` ask for it, beginning with the textures that they name, else with `initial_textures`. With a
+/// debug context where the environment asks for one.
+[[nodiscard]] LiveScene::Options live_scene_options(const ReplayOptions& options, const ChartOptions& charts,
+                                                    const std::optional<std::filesystem::path>& initial_textures);
 
 /// Recording, model and chart options that ReplayOptions name: made in this order, since each needs the one before.
 struct ReplayInput {

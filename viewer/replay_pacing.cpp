@@ -35,18 +35,6 @@ bool read(const char* begin, const char* end, Number& number) {
   return error == std::errc() && stop == end;
 }
 
-LiveScene::Options scene_options(const ReplayInput& input, GlDebug debug) {
-  LiveScene::Options options;
-  options.pipeline = input.options.pipeline;
-  options.extraction = input.options.extraction;
-  options.charts = input.charts;
-  options.initial_textures =
-      input.options.load_textures ? input.options.load_textures : input.recording.initial_textures();
-  options.initial_textures_must_fit = input.options.load_textures.has_value();
-  options.debug = debug != GlDebug::off;
-  return options;
-}
-
 /// Contexts, scene and view, and one source for each run, so that each shows the same.
 class PacedReplay {
  public:
@@ -58,8 +46,8 @@ class PacedReplay {
         options_(options),
         link_(link),
         input_((install(), replay)),
-        scene_(input_.model, scene_options(input_, debug_), display_.display(), display_.context(),
-               [this] { display_.make_current(); }),
+        scene_(input_.model, live_scene_options(input_.options, input_.charts, input_.recording.initial_textures()),
+               display_.display(), display_.context(), [this] { display_.make_current(); }),
         view_(scene_.store()),
         camera_(input_.recording.cameras()[input_.camera].model.undistorted()) {
     const Recording& recording = input_.recording;

@@ -37,10 +37,6 @@ constexpr std::size_t kMostContextsLost = 3;
 constexpr std::int64_t kFramesToWarmUp = 2;
 constexpr std::ptrdiff_t kFramesToMeasure = 5;
 
-bool is_software(const std::string& renderer) {
-  return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
-}
-
 /// For tests, FOREVIEW_LOSE_CONTEXT=N: as if the context were lost when frame N is to be drawn.
 std::optional<std::int64_t> frame_to_lose_context_at() {
   const char* value = std::getenv("FOREVIEW_LOSE_CONTEXT");
@@ -129,7 +125,7 @@ class ViewerSession {
 
   [[nodiscard]] double wanted_rate() const {
     if (options_.rate) return *options_.rate;
-    if (is_software(status_.renderer)) return kSoftwareRate;
+    if (is_software_renderer(status_.renderer)) return kSoftwareRate;
     const int monitor = window_->refresh_rate();
     return monitor > 0 ? std::min(static_cast<double>(monitor), kGreatestRate) : kGreatestRate;
   }
@@ -142,7 +138,7 @@ class ViewerSession {
     spdlog::debug("textures, views and panels after {:.0f} ms", (steady_now() - started_).seconds() * 1e3);
     applied_extraction_ = control_.settings().extraction;
     size_window();
-    const bool waits = !is_software(status_.renderer);
+    const bool waits = !is_software_renderer(status_.renderer);
     window_->set_swap_interval(waits ? 1 : 0);
     DisplayLoop::Options loop_options;
     loop_options.period = kPreparingPeriod;
