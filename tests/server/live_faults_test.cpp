@@ -7,6 +7,15 @@
 #include "fault_stream.h"
 #include "foreview/server/dds/wire.h"
 
+#ifdef __SANITIZE_ADDRESS__
+// AddressSanitizer keeps 256 MB of what was freed from being used again: resident memory would grow by that much
+// whether messages are kept or not. Eight are enough to see what is used soon after it was freed. ASAN_OPTIONS are read
+// after these, and those that name no quarantine leave it so.
+extern "C" const char* __asan_default_options() {
+  return "quarantine_size_mb=8";
+}
+#endif
+
 // What goes wrong between robots and displays, each on a real topic: sender and receiver are two processes. All that
 // arrives is used or counted, every picture has its own pose, the reader waits for nobody.
 namespace foreview {
