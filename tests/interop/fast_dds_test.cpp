@@ -11,6 +11,15 @@
 #include "server/dds_test_domain.h"
 #include "server/played_recording.h"
 
+#ifdef __SANITIZE_ADDRESS__
+// Debian's libfastrtps deletes its statistics' ancillary objects by way of a base class without a virtual destructor:
+// reported wherever one of its writers or readers ends, and not ours to mend. ASAN_OPTIONS are read after these, and
+// those that do not name this check leave it off.
+extern "C" const char* __asan_default_options() {
+  return "new_delete_type_mismatch=0";
+}
+#endif
+
 namespace foreview {
 namespace {
 
