@@ -133,6 +133,7 @@ ExtractionStatistics PerPolygonExtraction::extract(const CameraFrame& frame) {
   s.store.wait_for_free_set();
   [[maybe_unused]] const bool begun = s.store.begin_picture();
   assert(begun);
+  s.picture.bind();  // the store may have bound what it copied by
   clock.lap(ExtractionStep::publishing);
   for (std::size_t slot = 0; slot < visible.size(); ++slot) {
     const auto& [polygon, box, shorter_side, has_outline] = visible[slot];

@@ -375,11 +375,12 @@ TEST_P(CopyMethods, LargePagesAreCopiedToo) {
   }
 }
 
+std::string name_of(const ::testing::TestParamInfo<PageCopier::Method>& tested) {
+  return tested.param == PageCopier::Method::commands ? "Commands" : "Dispatch";
+}
+
 INSTANTIATE_TEST_SUITE_P(Publishing, CopyMethods,
-                         ::testing::Values(PageCopier::Method::commands, PageCopier::Method::dispatch),
-                         [](const auto& tested) {
-                           return tested.param == PageCopier::Method::commands ? "Commands" : "Dispatch";
-                         });
+                         ::testing::Values(PageCopier::Method::commands, PageCopier::Method::dispatch), name_of);
 
 TEST_F(PublishingTest, UnfinishedPictureIsNeitherShownNorWaitedFor) {
   const PolygonModel model = rows_of_quads({5});
@@ -607,15 +608,16 @@ TEST_F(PublishingTest, DirectStoreShowsWhatWasWrittenAtOnce) {
 }
 
 /// The per-polygon pipeline, writing into three sets and into one.
-class PublishedExtraction : public ExtractionTest {};
+class PublishedExtraction : public ExtractionTest, public ::testing::WithParamInterface<PageCopier::Method> {};
 
-TEST_F(PublishedExtraction, GivesTheSameTexturesThroughThreeSets) {
+TEST_P(PublishedExtraction, GivesTheSameTexturesThroughThreeSets) {
   RawMesh mesh;
   add_quad(mesh, -0.5, -0.4, -0.1, 0.4, 1.0);
   add_quad(mesh, 0.0, -0.4, 0.5, 0.4, 1.2);
   add_quad(mesh, -0.2, -0.1, 0.2, 0.1, 0.8);
   build(mesh);
   TextureStore store(*model_, store_->layout(), Publishing::buffered);
+  store.set_copy_method(GetParam());
   PerPolygonExtraction pipeline(store, charts_, options_);
   for (int k = 1; k <= 6; ++k) {
     CameraFrame picture = frame(k % 2 == 0 ? plain(20.0 * k) : gradient, k);
@@ -631,6 +633,9 @@ TEST_F(PublishedExtraction, GivesTheSameTexturesThroughThreeSets) {
     store.release();
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Publishing, PublishedExtraction,
+                         ::testing::Values(PageCopier::Method::commands, PageCopier::Method::dispatch), name_of);
 
 }  // namespace
 }  // namespace foreview
