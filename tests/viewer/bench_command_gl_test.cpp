@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "support/slow_build.h"
 #include "support/temporary_directory.h"
 #include "viewer/run_foreview.h"
 #include "viewer/wall_recording.h"
@@ -261,7 +262,9 @@ TEST_F(BenchCommand, TheTableOf2005BesideADisplay) {
     // Beside no display there is no rate. How many pictures half a second gives beside one, no test can know.
     for (const std::size_t rate : {2U, 3U, 6U, 7U}) EXPECT_EQ(cells[rate].is_null(), i == 0) << cells;
   }
-  EXPECT_GT(table["rows"][0]["cells"][1], 0);
+  if (!test::kIsSlowBuild) {
+    EXPECT_GT(table["rows"][0]["cells"][1], 0);
+  }
 }
 
 }  // namespace

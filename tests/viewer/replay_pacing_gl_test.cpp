@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "support/slow_build.h"
 #include "support/temporary_directory.h"
 #include "viewer/run_foreview.h"
 #include "viewer/wall_recording.h"
@@ -53,8 +54,9 @@ class ReplayPacing : public ::testing::Test {
 };
 
 TEST_F(ReplayPacing, GoesOverTheLinkThatIsAskedFor) {
+  const std::string duration = test::kIsSlowBuild ? "15s" : "2s";
   const std::vector<std::string> options{"replay",  recording_.string(), "--headless",  "--rate",
-                                         "40",      "--duration",        "2s",          "--size",
+                                         "40",      "--duration",        duration,      "--size",
                                          "160x120", "--pacing",          file_.string()};
   ASSERT_EQ(test::run_foreview(options).status, 0);
   EXPECT_GT(read()["runs"][0]["pictures_extracted"], 0);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "support/slow_build.h"
 #include "support/temporary_directory.h"
 #include "viewer/run_foreview.h"
 #include "viewer/virtual_display.h"
@@ -91,7 +92,7 @@ TEST_F(ReplayWindow, PlaysToTheEndAndQuits) {
 
 TEST_F(ReplayWindow, WhatSSavesIsTheHeadlessPicture) {
   // So slowly that every picture is used, in the order in which headless replay uses them.
-  start({"--speed", "0.15", "--json", (out_ / "summary.json").string()});
+  start({"--speed", test::kIsSlowBuild ? "0.02" : "0.15", "--json", (out_ / "summary.json").string()});
   ASSERT_TITLE_COMES("| end");
   ASSERT_TITLE_ENDS("| end");
   press("s");
