@@ -65,9 +65,9 @@ TEST_F(ShaderProgram, FullscreenTriangleCoversEveryPixelWithItsOwnCoordinates) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
   std::array<float, 4 * 4 * 2> texels{};
   glGetTextureImage(target.id(), 0, GL_RGBA, GL_FLOAT, sizeof texels, texels.data());
-  for (int y = 0; y < 2; ++y) {
-    for (int x = 0; x < 4; ++x) {
-      const auto i = static_cast<std::size_t>(4 * (y * 4 + x));
+  for (std::size_t y = 0; y < 2; ++y) {
+    for (std::size_t x = 0; x < 4; ++x) {
+      const std::size_t i = 4 * (y * 4 + x);
       EXPECT_NEAR(texels[i], static_cast<float>(x) + 0.5F, 1e-5);
       EXPECT_NEAR(texels[i + 1], static_cast<float>(y) + 0.5F, 1e-5);
       EXPECT_EQ(texels[i + 3], 1.0F);

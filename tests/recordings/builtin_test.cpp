@@ -303,7 +303,8 @@ TEST(BuiltinRecordings, WorkpieceRidesInTheGripperAndStaysWhereItIsPut) {
   const std::vector<Pose> gripped = at(3.0);
   const Pose hand_from_workpiece = gripped[hand].inverse() * gripped[workpiece];
   double highest = 0;
-  for (double t = 3.0; t < 7.15; t += 0.1) {
+  for (int tenths = 30; tenths <= 71; ++tenths) {
+    const double t = tenths * 0.1;
     const std::vector<Pose> poses = at(t);
     const Pose now = poses[hand].inverse() * poses[workpiece];
     EXPECT_LT(glm::length(now.translation - hand_from_workpiece.translation), 1e-9) << t;
