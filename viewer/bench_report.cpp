@@ -74,7 +74,7 @@ Json json_of(const BenchRequest& request) {
           {"small_texture", e.small_texture},
           {"fill", to_string(e.fill)},
           {"occlusion_query", e.occlusion_query},
-          {"exposure", exposure_name(e.compensate_exposure)},
+          {"exposure", auto_or_off(e.compensate_exposure)},
           {"near", e.near_plane},
           {"density", request.charts.texels_per_metre},
           {"max_texels", request.charts.max_texels},

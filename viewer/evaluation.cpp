@@ -54,7 +54,8 @@ class InstantEvaluator {
   /// The replayer has been advanced to `state`'s time, and has used a picture.
   [[nodiscard]] InstantScore evaluate(std::size_t picture, const cv::Mat& truth, const PredictedState& state) const {
     const Recording::Camera& own = replayer_.recording().cameras()[replayer_.camera()];
-    const CameraModel& camera = replayer_.operator_camera();
+    const CameraModel camera = replayer_.registered_camera(), &recorded_camera = replayer_.operator_camera();
+    const auto recorded = replayer_.recording().capture_state(replayer_.camera(), state.stamp, replayer_.model());
     InstantScore score;
     score.picture = picture;
     score.stem = own.pictures[picture].stem;
@@ -65,8 +66,8 @@ class InstantEvaluator {
 
     const cv::Mat predicted = replayer_.view().render(camera, state);
     const cv::Mat delayed = replayer_.undistorted_picture(score.delayed_picture);
-    const cv::Mat rotation =
-        warp_by_rotation(delayed, camera, *own.world_from_camera.at(delayed_stamp), camera, state.world_from_camera);
+    const cv::Mat rotation = warp_by_rotation(delayed, recorded_camera, *own.world_from_camera.at(delayed_stamp),
+                                              recorded_camera, recorded->world_from_camera);
     score.predicted = compare("predicted", score.stem, predicted, truth);
     score.delayed = compare("delayed", score.stem, delayed, truth);
     score.rotation = compare("rotation", score.stem, rotation, truth);
@@ -78,7 +79,7 @@ class InstantEvaluator {
     score.filled = part_of(surface.provenance == kFilled, usable_);
     score.never_seen = 1 - score.seen - score.filled;
     score.over_seen = pixel_error(predicted, truth, seen & usable_);
-    const cv::Mat beyond = beyond_silhouettes(state, {surface.polygon, surface.inverse_z});
+    const cv::Mat beyond = beyond_silhouettes(camera, state, {surface.polygon, surface.inverse_z});
     writer_.write("beyond-silhouettes", score.stem, beyond & usable_);
     score.beyond_silhouettes = pixel_error(predicted, truth, beyond & usable_);
     score.ghosts = displaced_error(predicted, truth, beyond & usable_, kGhostDisplacement);
@@ -92,15 +93,12 @@ class InstantEvaluator {
     const cv::Mat mask = all_usable_ ? cv::Mat() : usable_;
     return {pixel_error(shown, truth, mask).psnr().value_or(0), structural_similarity(shown, truth, mask)};
   }
-  [[nodiscard]] cv::Mat beyond_silhouettes(const PredictedState& state, const SurfaceMap& predicted) const {
-    const auto used = *replayer_.last_used();
-    const Recording::Camera& camera = replayer_.recording().cameras()[used.camera];
-    const CameraModel used_camera = camera.model.undistorted();
-    const auto used_state =
-        replayer_.recording().capture_state(used.camera, camera.pictures[used.index].stamp, replayer_.model());
-    const PredictedView::Surface surface = replayer_.view().render_surface(used_camera, *used_state);
-    return pixels_beyond_silhouettes(replayer_.model(), replayer_.operator_camera(), state, predicted, used_camera,
-                                     *used_state, {surface.polygon, surface.inverse_z});
+  [[nodiscard]] cv::Mat beyond_silhouettes(const CameraModel& camera, const PredictedState& state,
+                                           const SurfaceMap& predicted) const {
+    const Replayer::UsedPicture& used = *replayer_.last_used();
+    const PredictedView::Surface surface = replayer_.view().render_surface(used.model, used.state);
+    return pixels_beyond_silhouettes(replayer_.model(), camera, state, predicted, used.model, used.state,
+                                     {surface.polygon, surface.inverse_z});
   }
 
   Replayer& replayer_;
@@ -155,18 +153,18 @@ Evaluation evaluate(Replayer& replayer, const EvaluationOptions& options,
         if (progress) progress(done, pictures.size());
       };
       tell();
-      const auto state = replayer.predicted_state(own.pictures[pictures[done]].stamp);
-      const auto truth = state ? true_picture(replayer, pictures[done]) : std::nullopt;
+      const Timestamp now = own.pictures[pictures[done]].stamp;
+      const auto truth = replayer.predicted_state(now) ? true_picture(replayer, pictures[done]) : std::nullopt;
       if (!truth) {
         ++evaluation.instants_damaged;
         continue;
       }
-      replayer.advance_to(own.pictures[pictures[done]].stamp, tell);
+      replayer.advance_to(now, tell);
       if (!replayer.newest_used()) {
         ++evaluation.instants_without_picture;
         continue;
       }
-      evaluation.instants.push_back(evaluator.evaluate(pictures[done], *truth, *state));
+      evaluation.instants.push_back(evaluator.evaluate(pictures[done], *truth, *replayer.predicted_state(now)));
     }
     if (progress) progress(pictures.size(), pictures.size());
   } catch (const Interrupted&) {
@@ -177,6 +175,7 @@ Evaluation evaluate(Replayer& replayer, const EvaluationOptions& options,
                      "nothing to evaluate: before the pictures from --from to --to no other had arrived, or they are "
                      "damaged; expected a longer recording or a shorter --delay");
   }
+  evaluation.registration = replayer.registration();
   evaluation.pictures_extracted = replayer.pictures_extracted();
   evaluation.pictures_damaged = replayer.pictures_damaged();
   evaluation.damage = recording.damage();

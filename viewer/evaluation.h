@@ -53,10 +53,11 @@ struct Evaluation {
   std::size_t polygons = 0;
   double texels_per_metre = 0;
   int max_texels = 0;
-  std::size_t pictures_extracted = 0;  ///< with --history, some of them several times
-  std::size_t pictures_damaged = 0;    ///< skipped when read
-  RecordingDamage damage;              ///< all that the reader dropped
-  double extraction_seconds = 0;       ///< wall clock for all pictures extracted, without reading them
+  std::optional<RegistrationStatus> registration;  ///< of the operator's camera, at the end
+  std::size_t pictures_extracted = 0;              ///< with --history, some of them several times
+  std::size_t pictures_damaged = 0;                ///< skipped when read
+  RecordingDamage damage;                          ///< all that the reader dropped
+  double extraction_seconds = 0;                   ///< wall clock for all pictures extracted, without reading them
 };
 
 /// Evaluates every instant of the replayer's span. `progress` (may be empty) is called before every picture and at the

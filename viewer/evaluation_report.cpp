@@ -71,6 +71,16 @@ Json json_of(const PixelError& error) {
   return result;
 }
 
+Json json_of(const std::optional<RegistrationStatus>& status) {
+  if (!status) return nullptr;
+  return {{"is_correcting", status->is_correcting},
+          {"error_recorded", status->error_recorded},
+          {"error_registered", status->error_registered},
+          {"pictures", status->pictures},
+          {"registered", status->registered},
+          {"landmarks", status->landmarks}};
+}
+
 Json json_of(const InstantScore& score) {
   return {{"picture", score.picture},
           {"stem", score.stem},
@@ -101,7 +111,8 @@ Json json_of(const EvaluationOptions& options) {
   result["alpha_c"] = replay.extraction.alpha_c;
   result["small_texture"] = replay.extraction.small_texture;
   result["fill"] = to_string(replay.extraction.fill);
-  result["exposure"] = exposure_name(replay.extraction.compensate_exposure);
+  result["exposure"] = auto_or_off(replay.extraction.compensate_exposure);
+  result["registration"] = auto_or_off(replay.registration);
   result["near"] = replay.extraction.near_plane;
   result["load_textures"] = replay.load_textures ? Json(replay.load_textures->string()) : Json(nullptr);
   return result;
@@ -185,6 +196,12 @@ std::string evaluation_table(const Evaluation& evaluation, const EvaluationOptio
   text += "\n";
   text += line("  newest picture used is %.0f ms old; %zu extracted in %.1f ms each, %zu damaged", 1e3 * summary.age,
                evaluation.pictures_extracted, milliseconds_per_picture(evaluation), evaluation.pictures_damaged);
+  if (evaluation.registration) {
+    const RegistrationStatus& status = *evaluation.registration;
+    text += line("  registration: landmarks are %.2f pixels off the record%s; found in %zu of %zu pictures",
+                 status.error_recorded, status.is_correcting ? ", corrected" : ", which is left as it is",
+                 status.registered, status.pictures);
+  }
   if (evaluation.damage.total() > evaluation.damage.pictures_unreadable) {
     text += line("  %zu items of the recording were damaged and dropped (see the log)", evaluation.damage.total());
   }
@@ -220,7 +237,8 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationOption
       {"ghosts", json_of(summary.ghosts)},
       {"pictures_extracted", evaluation.pictures_extracted},
       {"pictures_damaged", evaluation.pictures_damaged},
-      {"milliseconds_per_picture", milliseconds_per_picture(evaluation)}};
+      {"milliseconds_per_picture", milliseconds_per_picture(evaluation)},
+      {"registration", json_of(evaluation.registration)}};
   json["instants"] = Json::array();
   for (const InstantScore& instant : evaluation.instants) json["instants"].push_back(json_of(instant));
   // Names come from files and may be any bytes: JSON must be UTF-8 all the same.

@@ -59,13 +59,13 @@ HoleFilling parse_hole_filling(const std::string& text, const std::string& optio
   return parse_choice(text, option, {HoleFilling::pyramid, HoleFilling::iterative, HoleFilling::none});
 }
 
-const char* exposure_name(bool compensated) {
-  return compensated ? "auto" : "off";
+const char* auto_or_off(bool on) {
+  return on ? "auto" : "off";
 }
 
-bool parse_exposure(const std::string& text, const std::string& option) {
-  for (const bool compensated : {true, false}) {
-    if (text == exposure_name(compensated)) return compensated;
+bool parse_auto_or_off(const std::string& text, const std::string& option) {
+  for (const bool on : {true, false}) {
+    if (text == auto_or_off(on)) return on;
   }
   throw InputError(option, "'" + text + "' is none of its values: auto, off");
 }

@@ -12,9 +12,9 @@ namespace foreview {
 [[nodiscard]] HoleFilling parse_hole_filling(const std::string& text, const std::string& option);
 /// "batched", "per-polygon".
 [[nodiscard]] PipelineKind parse_pipeline(const std::string& text, const std::string& option);
-/// "auto": true, "off": false (ExtractionOptions::compensate_exposure).
-[[nodiscard]] bool parse_exposure(const std::string& text, const std::string& option);
-[[nodiscard]] const char* exposure_name(bool compensated);
+/// "auto": true, "off": false.
+[[nodiscard]] bool parse_auto_or_off(const std::string& text, const std::string& option);
+[[nodiscard]] const char* auto_or_off(bool on);
 [[nodiscard]] const char* to_string(ArtefactSuppression artefacts);
 [[nodiscard]] const char* to_string(HoleFilling fill);
 [[nodiscard]] const char* to_string(PipelineKind pipeline);

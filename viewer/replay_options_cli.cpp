@@ -113,11 +113,15 @@ void add_replay_options(CLI::App& command, ReplayOptions& options, bool needs_re
   add_number<int>(command, "--max-texels", options.max_texels, 4, 16384, "a number of texels", "R",
                   "Most texels of one polygon along an axis (default: what the recording proposes, else enough for "
                   "the largest polygon, between 256 and 1024)");
+  add(command, "--registration", "RULE",
+      "What to do about poses and a camera that do not quite fit the pictures: auto (correct them by landmarks found "
+      "again) or off (default: off)",
+      [&options](Text text, Text option) { options.registration = parse_auto_or_off(text, option); });
   add(command, "--exposure", "RULE",
       "What to do about pictures' changing exposure and white balance: auto (compensate; --pipeline batched only) or "
       "off "
       "(default: auto)",
-      [&extraction](Text text, Text option) { extraction.compensate_exposure = parse_exposure(text, option); });
+      [&extraction](Text text, Text option) { extraction.compensate_exposure = parse_auto_or_off(text, option); });
   add_number<double>(command, "--near", extraction.near_plane, 1e-4, 1e3, "metres", "METRES",
                      "Nearest distance that is drawn and extracted (default: 0.02)");
 

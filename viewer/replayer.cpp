@@ -48,6 +48,7 @@ struct Replayer::State : ReplayInput {
     first = span.first;
     last = span.last;
     extraction->set_counting(options.stats);
+    if (options.registration) rays.emplace(model);
     begin_afresh();
     store.spread_to_never_seen();
   }
@@ -59,6 +60,9 @@ struct Replayer::State : ReplayInput {
     extraction->clear();
     store.clear();
     used.clear();
+    last_used.reset();
+    registrations.clear();
+    for (std::size_t c = 0; rays && c < recording.cameras().size(); ++c) registrations.emplace_back(model, *rays);
     const auto initial = options.load_textures ? options.load_textures : recording.initial_textures();
     if (!initial || initial_unfit) return;
     try {
@@ -105,10 +109,12 @@ struct Replayer::State : ReplayInput {
       for (std::size_t done = 0; done < todo && !again; ++done) {
         if (progress) progress(done, todo);
         const PictureId id = wanted[used.size()];
-        const auto frame = recording.read_frame(id.camera, id.index, model);
+        auto frame = recording.read_frame(id.camera, id.index, model);
         if (frame) {
+          if (rays) registrations[id.camera].correct(*frame);
           extract(*frame);
           used.push_back(id);
+          last_used = UsedPicture{id.camera, id.index, frame->camera.undistorted(), frame->state};
           ++extracted;
         } else {
           // With --history, an older picture takes its place: the operator's site would never have got it.
@@ -137,6 +143,9 @@ struct Replayer::State : ReplayInput {
   std::unique_ptr<ExtractionPipeline> extraction;
   PredictedView view;
   Timestamp first, last;
+  std::optional<RayCaster> rays;            ///< with registration
+  std::vector<Registration> registrations;  ///< of each camera, or none
+  std::optional<UsedPicture> last_used;
   std::vector<PictureId> used;  ///< since the textures were last begun afresh, in the order of their extraction
   std::set<PictureId> damaged;
   bool initial_unfit = false;
@@ -181,7 +190,19 @@ std::size_t Replayer::advance_to(Timestamp t, const std::function<void(std::size
 }
 
 std::optional<PredictedState> Replayer::predicted_state(Timestamp t) const {
-  return state_->recording.predicted_state(state_->camera, t, state_->model);
+  auto state = state_->recording.predicted_state(state_->camera, t, state_->model);
+  if (const auto newest = newest_used(); state && newest && !state_->registrations.empty()) {
+    const Duration ahead = t - state_->own().pictures[*newest].stamp;
+    state->world_from_camera =
+        state->world_from_camera * state_->registrations[state_->camera].recorded_from_registered(ahead);
+  }
+  return state;
+}
+
+CameraModel Replayer::registered_camera() const {
+  const auto& registrations = state_->registrations;
+  const auto corrected = registrations.empty() ? std::nullopt : registrations[state_->camera].camera();
+  return corrected ? corrected->undistorted() : state_->operator_camera;
 }
 
 std::optional<std::size_t> Replayer::newest_used() const {
@@ -191,9 +212,13 @@ std::optional<std::size_t> Replayer::newest_used() const {
   return std::nullopt;
 }
 
-std::optional<Replayer::UsedPicture> Replayer::last_used() const {
-  if (state_->used.empty()) return std::nullopt;
-  return UsedPicture{state_->used.back().camera, state_->used.back().index};
+const std::optional<Replayer::UsedPicture>& Replayer::last_used() const {
+  return state_->last_used;
+}
+
+std::optional<RegistrationStatus> Replayer::registration() const {
+  if (state_->registrations.empty()) return std::nullopt;
+  return state_->registrations[state_->camera].status();
 }
 
 cv::Mat Replayer::undistorted_picture(std::size_t index) const {

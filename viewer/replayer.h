@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "foreview/calib/registration.h"
 #include "foreview/gpu/extraction.h"
 #include "foreview/gpu/texture_store.h"
 #include "foreview/recordings/recording.h"
@@ -23,6 +24,7 @@ struct ReplayOptions {
   std::optional<std::size_t> history;  ///< only the last N pictures before t - delay
   PipelineKind pipeline = PipelineKind::batched;
   ExtractionOptions extraction{.compensate_exposure = true};
+  bool registration = false;      ///< correct poses and cameras by what pictures show (Registration)
   std::optional<double> density;  ///< texels per metre; else the recording's proposal, else propose_textures()
   std::optional<int> max_texels;  ///< else the recording's proposal, else propose_textures()
   std::optional<std::filesystem::path> load_textures, save_textures;
@@ -55,15 +57,23 @@ class Replayer {
   /// Damaged pictures are skipped and counted, and do not count for --history. Returns the pictures extracted by this
   /// call. `progress` (may be empty) is called per picture; it may throw Interrupted.
   std::size_t advance_to(Timestamp t, const std::function<void(std::size_t done, std::size_t todo)>& progress = {});
-  /// M_d and P_d at t: the recorded state; none where nothing was recorded.
+  /// M_d and P_d at t: the recorded state; none where nothing was recorded. With registration, the operator's camera is
+  /// where the pictures used so far make it out to be.
   [[nodiscard]] std::optional<PredictedState> predicted_state(Timestamp t) const;
   /// The newest picture used by the operator's camera so far, by index.
   [[nodiscard]] std::optional<std::size_t> newest_used() const;
+  /// operator_camera(), with registration as the pictures used so far correct it: where predictions are to fall on
+  /// the true picture.
+  [[nodiscard]] CameraModel registered_camera() const;
   /// The newest picture used of any camera: the one whose colours win.
   struct UsedPicture {
     std::size_t camera = 0, index = 0;
+    CameraModel model;   ///< that it was extracted with, undistorted: with registration, the corrected one ...
+    CaptureState state;  ///< ... and so its pose
   };
-  [[nodiscard]] std::optional<UsedPicture> last_used() const;
+  [[nodiscard]] const std::optional<UsedPicture>& last_used() const;
+  /// How the operator's camera is being registered; none without registration.
+  [[nodiscard]] std::optional<RegistrationStatus> registration() const;
   /// A picture of the operator's camera without lens distortion (CV_8UC3 BGR); InputError where it is damaged.
   [[nodiscard]] cv::Mat undistorted_picture(std::size_t index) const;
   /// CV_8U, 255 where an undistorted picture has content; all of it, but for lenses that see less than their

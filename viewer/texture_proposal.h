@@ -11,10 +11,10 @@ struct TextureProposal {
 };
 
 /// What the pictures resolve: a surface at distance z along the optical axis, seen square on, has f / z pixels a metre.
-/// Over rays of up to 16 pictures per camera, spread over the recording, that meet the model (not its backdrop), three
-/// quarters resolve no more than this density; rounded to 1, 1.5, 2, 3, 5 or 7 times a power of ten, within 50..2000.
-/// 500 (spec 6) where no ray meets anything. max_texels: a power of two that the largest polygon needs at this density,
-/// within 256..1024.
+/// Of the surface that rays of up to 16 pictures per camera, spread over the recording, meet (not the model's
+/// backdrop), half, by area, is resolved no better than this density: texels are spent by area. Rounded to 1, 1.5, 2,
+/// 3, 5 or 7 times a power of ten, within 50..2000. 500 (spec 6) where no ray meets anything. max_texels: a power of
+/// two that the largest polygon needs at this density, within 256..1024.
 [[nodiscard]] TextureProposal propose_textures(const Recording& recording, const PolygonModel& model);
 
 /// Where no picture is known: as if a camera with a focal length of 600 pixels stood as far from everything as the ball

@@ -1,0 +1,82 @@
+#pragma once
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "foreview/calib/landmark.h"
+#include "foreview/calib/registration_fit.h"
+#include "foreview/scene/camera_frame.h"
+#include "foreview/scene/polygon_model.h"
+#include "foreview/scene/ray_caster.h"
+
+namespace foreview {
+
+/// How a camera's pictures are being registered. Medians are over the landmarks found in a picture, pixels.
+struct RegistrationStatus {
+  std::size_t pictures = 0;                          ///< taken in
+  std::size_t registered = 0;                        ///< of them those in which enough landmarks were found
+  std::size_t landmarks = 0;                         ///< known now
+  std::size_t expected = 0, found = 0, fitting = 0;  ///< of the last picture: landmarks looked for, found, within 3 px
+  double error_registered = 0;  ///< of the last picture: how far they are from where they should be after correction
+  double error_recorded = 0;    ///< how far those of the keyframes known are from where the record has them
+  bool is_correcting = false;   ///< the record is off by more than a pixel, else it stays as it is
+};
+
+/// Corrects the registration of one camera's pictures, instead of discarding its errors (spec 14): its poses are off
+/// (hand-eye calibration, encoders, tracking), and its nominal focal length and principal point too. Landmarks (corners
+/// in pictures, on the model's surface) are found again in later pictures; what is the same in all pictures and what
+/// each picture is off by itself is put so that they fit best: bundle adjustment over the last keyframes, with the
+/// landmarks held to the model's surface.
+///
+/// Where the record fits the pictures within a pixel nothing is corrected: landmarks' noise would only do harm. Else,
+/// only pictures given earlier decide; nothing is undone: textures stay where earlier corrections put them. Where there
+/// is too little to recognise, the last correction stays. What moves and is not known to move (no part of the model)
+/// is outvoted or, where it fills the picture, followed as far as the tolerances allow.
+class Registration {
+ public:
+  /// Both must outlive it.
+  Registration(const PolygonModel& model, const RayCaster& rays, const RegistrationTolerances& tolerances = {});
+
+  /// Corrects the frame's pose and camera. Frames in the order they are extracted. Another camera model (size, lens)
+  /// than the last one's begins afresh. Some milliseconds on the CPU.
+  void correct(CameraFrame& frame);
+
+  /// Where the camera will be, `ahead` of the last picture, seen from where the record has it: what is constant stays,
+  /// what the last picture was off by itself fades as experience says (kFading).
+  [[nodiscard]] Pose recorded_from_registered(Duration ahead) const;
+  /// The corrected camera; none before the first picture.
+  [[nodiscard]] const std::optional<CameraModel>& camera() const { return camera_; }
+  [[nodiscard]] const RegistrationStatus& status() const { return status_; }
+
+ private:
+  struct Sighting {
+    std::size_t landmark = 0;
+    glm::dvec3 point_in_world{0};
+    glm::dvec2 pixel{0}, ray{0};
+  };
+  [[nodiscard]] std::vector<Sighting> find_landmarks(const CameraFrame& frame, const cv::Mat& grey, const Pose& guess);
+  [[nodiscard]] Pose fit_picture(const CameraFrame& frame, const std::vector<Sighting>& sightings) const;
+  void fit();
+  void add_keyframe(const CameraFrame& frame, const cv::Mat& grey, const std::vector<Sighting>& fitting);
+  void add_landmarks(const CameraFrame& frame, const cv::Mat& grey, const std::shared_ptr<Keyframe>& keyframe);
+  [[nodiscard]] std::optional<Landmark> landmark_at(const CameraFrame& frame, const cv::Mat& grey,
+                                                    const glm::ivec2& pixel,
+                                                    const std::shared_ptr<Keyframe>& keyframe) const;
+  void forget_landmarks();
+
+  const PolygonModel* model_;
+  const RayCaster* rays_;
+  RegistrationTolerances tolerances_;
+  std::optional<CameraModel> nominal_, camera_;
+  CameraRegistration common_;
+  Pose rest_;  ///< of the last picture
+  std::vector<Landmark> landmarks_;
+  std::deque<std::shared_ptr<Keyframe>> keyframes_;  ///< whose rests are still fitted
+  std::size_t keyframes_made_ = 0;
+  RegistrationStatus status_;
+};
+
+}  // namespace foreview
