@@ -20,6 +20,7 @@ constexpr double kLikeness = 0.8;
 constexpr double kFitting = 3;                    ///< pixels
 constexpr std::size_t kEnough = 12;               ///< fitting landmarks
 constexpr std::size_t kEnoughObservations = 100;  ///< to judge the record by
+constexpr std::size_t kEnoughKeyframes = 24;      ///< before: from a short way, what is constant is found badly
 constexpr std::size_t kKeyframeEvery = 4;         ///< pictures
 constexpr std::size_t kWindow = 40;               ///< keyframes whose rests are fitted together
 constexpr std::size_t kFitEvery = 2;              ///< keyframes
@@ -214,7 +215,7 @@ void Registration::add_keyframe(const CameraFrame& frame, const cv::Mat& grey, c
 void Registration::fit() {
   std::size_t observations = 0;
   for (const Landmark& landmark : landmarks_) observations += landmark.observations.size();
-  if (observations < kEnoughObservations) return;
+  if (observations < kEnoughObservations || keyframes_made_ < kEnoughKeyframes) return;
   status_.error_recorded = error_of_record(*nominal_, landmarks_);
   const bool was_correcting = status_.is_correcting;
   status_.is_correcting = status_.error_recorded > (was_correcting ? kFitsAgain : kFitsNoMore);

@@ -31,7 +31,8 @@ struct RegistrationStatus {
 /// each picture is off by itself is put so that they fit best: bundle adjustment over the last keyframes, with the
 /// landmarks held to the model's surface.
 ///
-/// Where the record fits the pictures within a pixel nothing is corrected: landmarks' noise would only do harm. Else,
+/// Where the record fits the pictures within a pixel nothing is corrected: landmarks' noise would only do harm; nor in
+/// the first hundred pictures, from which what is constant is found badly. Else,
 /// only pictures given earlier decide; nothing is undone: textures stay where earlier corrections put them. Where there
 /// is too little to recognise, the last correction stays. What moves and is not known to move (no part of the model)
 /// is outvoted or, where it fills the picture, followed as far as the tolerances allow.
