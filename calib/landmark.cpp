@@ -12,6 +12,13 @@ namespace foreview {
 namespace {
 
 constexpr int kSide = ExpectedLook::kSide;
+constexpr int kHalf = kSide / 2;
+
+/// Of the patch's pixels, rows first.
+std::size_t index_of(int x, int y, int width) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 constexpr double kNearest = 0.02;      ///< metres in front of the camera
 constexpr double kFraction = 8;        ///< ExpectedLook::look is in eighths of 1/255
 constexpr double kLeastDeviation = 4;  ///< standard deviation of what is to be recognised, 1/255
@@ -60,10 +67,10 @@ std::optional<ExpectedLook> expected_look(const Landmark& landmark, const Camera
   const double limit = 2.0 * Landmark::kReach - 0.01;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
-      const glm::dvec2 offset(x + 0.5 - kSide / 2, y + 0.5 - kSide / 2);
+      const glm::dvec2 offset(x + 0.5 - kHalf, y + 0.5 - kHalf);
       const glm::dvec2 at = glm::dvec2(Landmark::kReach) + then_from_now * offset;
       if (at.x < 0 || at.y < 0 || at.x > limit || at.y > limit) return std::nullopt;
-      double& value = values[static_cast<std::size_t>(y * kSide + x)];
+      double& value = values[index_of(x, y, kSide)];
       value = sample(landmark.look, at);
       sum += value;
     }
@@ -81,18 +88,18 @@ std::optional<ExpectedLook> expected_look(const Landmark& landmark, const Camera
 
 std::optional<FoundLook> find_look(const ExpectedLook& expected, const cv::Mat& grey, int radius) {
   // The patch's upper left pixel with its corner nearest to the expected place.
-  const int left = static_cast<int>(std::lround(expected.pixel.x)) - kSide / 2 - radius;
-  const int top = static_cast<int>(std::lround(expected.pixel.y)) - kSide / 2 - radius;
+  const int left = static_cast<int>(std::lround(expected.pixel.x)) - kHalf - radius;
+  const int top = static_cast<int>(std::lround(expected.pixel.y)) - kHalf - radius;
   const int places = 2 * radius + 1;
   if (left < 0 || top < 0 || left + places + kSide > grey.cols || top + places + kSide > grey.rows) return std::nullopt;
-  std::vector<double> likeness(static_cast<std::size_t>(places * places));
+  std::vector<double> likeness(index_of(0, places, places));
   int best = 0;
   for (int dy = 0; dy < places; ++dy) {
     for (int dx = 0; dx < places; ++dx) {
       std::int32_t product = 0, sum = 0, squares = 0;
       for (int y = 0; y < kSide; ++y) {
         const std::uint8_t* row = grey.ptr<std::uint8_t>(top + dy + y) + left + dx;
-        const std::int16_t* look = &expected.look[static_cast<std::size_t>(y * kSide)];
+        const std::int16_t* look = &expected.look[index_of(0, y, kSide)];
         for (int x = 0; x < kSide; ++x) {
           const auto value = static_cast<std::int32_t>(row[x]);
           product += look[x] * value;
@@ -108,16 +115,16 @@ std::optional<FoundLook> find_look(const ExpectedLook& expected, const cv::Mat& 
   }
   const int bx = best % places, by = best / places;
   if (bx == 0 || by == 0 || bx == places - 1 || by == places - 1) return std::nullopt;
-  const auto at = [&](int x, int y) { return likeness[static_cast<std::size_t>(y * places + x)]; };
+  const auto at = [&](int x, int y) { return likeness[index_of(x, y, places)]; };
   const auto vertex = [](double before, double middle, double after) {
     const double curvature = before - 2 * middle + after;
     return curvature < 0 ? std::clamp((before - after) / (2 * curvature), -0.5, 0.5) : 0.0;
   };
   FoundLook found;
   found.likeness = at(bx, by);
-  found.pixel = glm::dvec2(left + bx + kSide / 2, top + by + kSide / 2) +
-                glm::dvec2(vertex(at(bx - 1, by), at(bx, by), at(bx + 1, by)),
-                           vertex(at(bx, by - 1), at(bx, by), at(bx, by + 1)));
+  found.pixel =
+      glm::dvec2(left + bx + kHalf, top + by + kHalf) + glm::dvec2(vertex(at(bx - 1, by), at(bx, by), at(bx + 1, by)),
+                                                                   vertex(at(bx, by - 1), at(bx, by), at(bx, by + 1)));
   return found;
 }
 

@@ -108,7 +108,7 @@ std::vector<Registration::Sighting> Registration::find_landmarks(const CameraFra
     const glm::dvec3 at = camera_from_part[landmarks_[i].part] * landmarks_[i].point;
     if (at.z <= 0) continue;
     const glm::dvec2 pixel = frame.camera.pixel_from_camera(at);
-    if (is_inside(pixel, grey, ExpectedLook::kSide / 2 + radius + 1)) {
+    if (is_inside(pixel, grey, 0.5 * ExpectedLook::kSide + radius + 1)) {
       cells[static_cast<std::size_t>(cell_of(pixel, grey))].push_back(i);
     }
   }
