@@ -65,6 +65,7 @@ void add_evaluate_command(CLI::App& app) {
       "SSIM, how much of the view has been seen, and the error beyond silhouettes, where ghosts appear.");
   const auto evaluate = std::make_shared<EvaluateCommand>();
   add_replay_options(command, evaluate->options.replay);
+  add_registration_option(command, evaluate->options.replay);
   add_pipeline_options(command, evaluate->options.replay);
   command
       .add_option_function<std::string>(

@@ -101,6 +101,7 @@ void add_export_command(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("export", "Write the model with the textures of a recording as binary glTF");
   sub->add_option("OUT", command->file, "The file to write, NAME.glb")->required();
   add_replay_options(*sub, command->replay);
+  add_registration_option(*sub, command->replay);
   add_pipeline_options(*sub, command->replay);
   sub->add_flag("--backdrop", command->with_backdrop, "With the box around the scene that shows what is far away");
   sub->add_option("--json", command->json_file, "Write what was exported to this file")->type_name("FILE.json");

@@ -46,6 +46,10 @@ void check(const ReplayCommand& command) {
   const double speed = command.session.speed;
   if (!(speed >= 0.01 && speed <= 100)) throw InputError("--speed", "expected a factor from 0.01 to 100");
   if (command.session.every < 1) throw InputError("--every", "expected 1 or more");
+  if (command.replay.registration && (!command.headless || command.pacing.rate)) {
+    throw InputError("--registration",
+                     "auto is for --headless --out only, so far; expected off, or --headless --out DIR");
+  }
   if (command.pacing.rate) {
     if (!command.headless) throw InputError("--rate", "expected --headless with it; a window has a rate of its own");
     if (command.replay.history) throw InputError("--history", "is not for --rate: pictures come as they arrive");
@@ -133,6 +137,7 @@ void add_replay_command(CLI::App& app) {
   CLI::App* replay = app.add_subcommand("replay", "Show the predicted view of a recording, in a window or as pictures");
   const auto command = std::make_shared<ReplayCommand>();
   add_replay_options(*replay, command->replay);
+  add_registration_option(*replay, command->replay);
   add_pipeline_options(*replay, command->replay);
   add_link_options(*replay, command->link);
   ReplaySessionOptions& session = command->session;

@@ -113,10 +113,6 @@ void add_replay_options(CLI::App& command, ReplayOptions& options, bool needs_re
   add_number<int>(command, "--max-texels", options.max_texels, 4, 16384, "a number of texels", "R",
                   "Most texels of one polygon along an axis (default: what the recording proposes, else enough for "
                   "the largest polygon, between 256 and 1024)");
-  add(command, "--registration", "RULE",
-      "What to do about poses and a camera that do not quite fit the pictures: auto (correct them by landmarks found "
-      "again) or off (default: off)",
-      [&options](Text text, Text option) { options.registration = parse_auto_or_off(text, option); });
   add(command, "--exposure", "RULE",
       "What to do about pictures' changing exposure and white balance: auto (compensate; --pipeline batched only) or "
       "off "
@@ -140,6 +136,15 @@ void add_pipeline_options(CLI::App& command, ReplayOptions& options) {
   command.add_flag("--stats", options.stats,
                    "Print the run's counters at the end: pictures, texels, polygons, memory, passes. Counting observed "
                    "texels costs a read-back per picture");
+}
+
+void add_registration_option(CLI::App& command, ReplayOptions& options) {
+  add(command, "--registration", "RULE",
+      "What to do about poses and a camera that do not quite fit the pictures: auto (correct them by landmarks found "
+      "again) or off (default: off)",
+      [&options](const std::string& text, const std::string& option) {
+        options.registration = parse_auto_or_off(text, option);
+      });
 }
 
 }  // namespace foreview

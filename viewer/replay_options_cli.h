@@ -23,4 +23,7 @@ void add_pipeline_options(CLI::App& command, ReplayOptions& options);
 /// A whole number from 1 to a million; InputError naming `option`.
 [[nodiscard]] std::size_t parse_count(const std::string& text, const std::string& option);
 
+/// Adds --registration, for commands whose pictures all go through a Replayer.
+void add_registration_option(CLI::App& command, ReplayOptions& options);
+
 }  // namespace foreview
