@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
 #include <glm/matrix.hpp>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <glm/mat2x2.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -19,8 +18,7 @@ namespace foreview {
 /// A picture that landmarks are tied to.
 struct Keyframe {
   std::vector<Pose> part_from_recorded;  ///< by part: where the camera was recorded to be, in the part's frame
-  Pose rest;               ///< mounted_from_registered: where it was, seen from where record and mount have it
-  std::size_t number = 0;  ///< counts up
+  Pose rest;  ///< mounted_from_registered: where it was, seen from where record and mount have it
 };
 
 /// A place on the model's surface that is found again in pictures by how it looked when it was first seen.

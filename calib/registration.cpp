@@ -153,7 +153,7 @@ Pose Registration::fit_picture(const CameraFrame& frame, const std::vector<Sight
       const glm::dvec3 p = camera_from_world * sighting.point_in_world;
       distances.push_back(p.z > 0 ? glm::length(focal * (sighting.ray - glm::dvec2(p) / p.z)) : 1e9);
     }
-    const double reach = std::max(4.0, 3 * 1.4826 * median(distances));
+    const double reach = tukey_reach(distances);
     cv::Matx<double, 6, 6> normal = cv::Matx<double, 6, 6>::zeros();
     cv::Vec<double, 6> right = cv::Vec<double, 6>::all(0);
     for (std::size_t k = 0; k < sightings.size(); ++k) {
@@ -192,7 +192,7 @@ Pose Registration::fit_picture(const CameraFrame& frame, const std::vector<Sight
 
 void Registration::add_keyframe(const CameraFrame& frame, const cv::Mat& grey, const std::vector<Sighting>& fitting) {
   auto keyframe = std::make_shared<Keyframe>();
-  keyframe->number = keyframes_made_++;
+  ++keyframes_made_;
   for (const Pose& pose : frame.state.world_from_part) {
     keyframe->part_from_recorded.push_back(pose.inverse() * frame.state.world_from_camera);
   }

@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kCommon = 9;  ///< unknowns: mount 0..5, focal length 6, principal point 7, 8
 constexpr int kRest = 6;
-constexpr double kTukey = 4;  ///< pixels: weights never end nearer than this
 
 glm::dmat3 rotation_of(const Pose& pose) {
   return glm::mat3_cast(pose.rotation);
@@ -281,6 +280,12 @@ bool place_landmark(Landmark& landmark, const CameraRegistration& common, const 
   return true;
 }
 
+double tukey_reach(const std::vector<double>& distances) {
+  constexpr double kLeast = 4;
+  constexpr double kDeviationFromMedian = 1.4826;  // of a normal distribution
+  return std::max(kLeast, 3 * kDeviationFromMedian * median(distances));
+}
+
 double error_of_record(const CameraModel& nominal, std::span<const Landmark> landmarks) {
   std::vector<double> distances;
   for (const Landmark& landmark : landmarks) {
@@ -301,8 +306,7 @@ double fit_registration(CameraRegistration& common, const CameraModel& nominal, 
                         int steps) {
   Fit fit(common, nominal, landmarks, free, tolerances);
   for (int i = 0; i < steps; ++i) {
-    constexpr double kDeviationFromMedian = 1.4826;  // of a normal distribution
-    fit.step(std::max(kTukey, 3 * kDeviationFromMedian * median(fit.distances())));
+    fit.step(tukey_reach(fit.distances()));
   }
   return median(fit.distances());
 }

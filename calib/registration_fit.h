@@ -39,6 +39,10 @@ using MotionVector = std::array<double, 6>;
 /// in front of the camera.
 bool place_landmark(Landmark& landmark, const CameraRegistration& common, const CameraModel& camera);
 
+/// Of distances in pixels, the one from which on Tukey's weights are 0: three deviations, as the median tells them, and
+/// at least 4.
+[[nodiscard]] double tukey_reach(const std::vector<double>& distances);
+
 /// How far observations are from where nominal camera and recorded poses have them, if the landmarks lie where their
 /// anchors see them by the record: median, pixels; 0 without observations.
 [[nodiscard]] double error_of_record(const CameraModel& nominal, std::span<const Landmark> landmarks);
