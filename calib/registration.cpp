@@ -23,12 +23,10 @@ constexpr std::size_t kEnoughObservations = 100;  ///< to judge the record by
 constexpr std::size_t kEnoughKeyframes = 24;      ///< before: from a short way, what is constant is found badly
 constexpr std::size_t kKeyframeEvery = 4;         ///< pictures
 constexpr std::size_t kWindow = 40;               ///< keyframes whose rests are fitted together
-constexpr std::size_t kFitEvery = 2;              ///< keyframes
 constexpr std::size_t kLandmarks = 2000, kObservations = 16;
 constexpr int kFitSteps = 2, kFirstFitSteps = 8;
 constexpr double kFitsNoMore = 1, kFitsAgain = 0.7;  ///< pixels: RegistrationStatus::error_recorded
-constexpr double kStep = 0.005;  ///< metres, radians: tolerance of a pose's change since the last picture
-constexpr Duration kFading{6'000'000'000};
+constexpr double kStep = 0.01;  ///< metres, radians: tolerance of a pose's change since the last picture
 
 int cell_of(const glm::dvec2& pixel, const cv::Mat& grey) {
   return static_cast<int>(pixel.y * kRows / grey.rows) * kColumns + static_cast<int>(pixel.x * kColumns / grey.cols);
@@ -42,13 +40,6 @@ bool is_inside(const glm::dvec2& pixel, const cv::Mat& grey, double margin) {
 
 Registration::Registration(const PolygonModel& model, const RayCaster& rays, const RegistrationTolerances& tolerances)
     : model_(&model), rays_(&rays), tolerances_(tolerances) {}
-
-Pose Registration::recorded_from_registered(Duration ahead) const {
-  MotionVector rest = vector_of(rest_);
-  const double left = std::exp(-std::max(0.0, ahead.seconds()) / kFading.seconds());
-  for (double& value : rest) value *= left;
-  return common_.recorded_from_mounted * motion_from(rest);
-}
 
 void Registration::correct(CameraFrame& frame) {
   if (!nominal_ || nominal_->width != frame.camera.width || nominal_->height != frame.camera.height ||
@@ -94,7 +85,12 @@ void Registration::correct(CameraFrame& frame) {
   }
   if (status_.pictures % kKeyframeEvery == 1) add_keyframe(frame, grey, fitting);
   frame.camera = *camera_;
-  frame.state.world_from_camera = recorded * common_.recorded_from_mounted * rest_;
+  if (status_.is_correcting) {
+    frame.state.world_from_camera = recorded * common_.recorded_from_mounted * rest_;
+    registered_from_recorded_ = frame.state.world_from_camera * recorded.inverse();
+  } else {
+    registered_from_recorded_ = {};
+  }
   status_.landmarks = landmarks_.size();
 }
 
@@ -204,7 +200,7 @@ void Registration::add_keyframe(const CameraFrame& frame, const cv::Mat& grey, c
   }
   keyframes_.push_back(keyframe);
   if (keyframes_.size() > kWindow) keyframes_.pop_front();
-  if (keyframes_made_ % kFitEvery == 0) fit();
+  fit();
   forget_landmarks();
   CameraFrame registered = frame;
   registered.camera = *camera_;

@@ -45,9 +45,10 @@ class Registration {
   /// than the last one's begins afresh. Some milliseconds on the CPU.
   void correct(CameraFrame& frame);
 
-  /// Where the camera will be, `ahead` of the last picture, seen from where the record has it: what is constant stays,
-  /// what the last picture was off by itself fades as experience says (kFading).
-  [[nodiscard]] Pose recorded_from_registered(Duration ahead) const;
+  /// What the last picture's pose was corrected by, in the world: registered_from_recorded() * world_from_camera. A
+  /// recorded pose of a later moment so corrected is where the record says that the camera has gone since, from where
+  /// the last picture was found to be. Identity where nothing is corrected.
+  [[nodiscard]] const Pose& registered_from_recorded() const { return registered_from_recorded_; }
   /// The corrected camera; none before the first picture.
   [[nodiscard]] const std::optional<CameraModel>& camera() const { return camera_; }
   [[nodiscard]] const RegistrationStatus& status() const { return status_; }
@@ -74,6 +75,7 @@ class Registration {
   std::optional<CameraModel> nominal_, camera_;
   CameraRegistration common_;
   Pose rest_;  ///< of the last picture
+  Pose registered_from_recorded_;
   std::vector<Landmark> landmarks_;
   std::deque<std::shared_ptr<Keyframe>> keyframes_;  ///< whose rests are still fitted
   std::size_t keyframes_made_ = 0;

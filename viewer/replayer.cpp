@@ -191,10 +191,9 @@ std::size_t Replayer::advance_to(Timestamp t, const std::function<void(std::size
 
 std::optional<PredictedState> Replayer::predicted_state(Timestamp t) const {
   auto state = state_->recording.predicted_state(state_->camera, t, state_->model);
-  if (const auto newest = newest_used(); state && newest && !state_->registrations.empty()) {
-    const Duration ahead = t - state_->own().pictures[*newest].stamp;
+  if (state && !state_->registrations.empty()) {
     state->world_from_camera =
-        state->world_from_camera * state_->registrations[state_->camera].recorded_from_registered(ahead);
+        state_->registrations[state_->camera].registered_from_recorded() * state->world_from_camera;
   }
   return state;
 }
