@@ -42,6 +42,22 @@ Registration::Registration(const PolygonModel& model, const RayCaster& rays, con
     : model_(&model), rays_(&rays), tolerances_(tolerances) {}
 
 void Registration::correct(CameraFrame& frame) {
+  place(frame);
+  learn();
+}
+
+void Registration::leap() {
+  newest_.reset();
+  earlier_.reset();
+}
+
+Registration::Track Registration::nearest_track(Timestamp stamp) const {
+  const auto distance = [&](const Track& track) { return std::abs((stamp - track.stamp).nanoseconds); };
+  if (newest_ && earlier_) return distance(*earlier_) < distance(*newest_) ? *earlier_ : *newest_;
+  return newest_.value_or(Track());
+}
+
+void Registration::place(CameraFrame& frame) {
   if (!nominal_ || nominal_->width != frame.camera.width || nominal_->height != frame.camera.height ||
       nominal_->focal_length != frame.camera.focal_length ||
       nominal_->principal_point != frame.camera.principal_point ||
@@ -49,54 +65,66 @@ void Registration::correct(CameraFrame& frame) {
     *this = Registration(*model_, *rays_, tolerances_);
     nominal_ = camera_ = frame.camera;
   }
+  lesson_.reset();
   ++status_.pictures;
-  cv::Mat grey;
-  cv::cvtColor(frame.picture, grey, cv::COLOR_BGR2GRAY);
-  cv::GaussianBlur(grey, grey, cv::Size(3, 3), 0);
-
-  const Pose recorded = frame.state.world_from_camera;
+  const bool is_newest = !newest_ || frame.state.stamp >= newest_->stamp;
+  Track track = nearest_track(frame.state.stamp);
+  track.stamp = frame.state.stamp;
+  const CaptureState recorded = frame.state;
   frame.camera = *camera_;
-  const Pose guess = recorded * common_.recorded_from_mounted * rest_;
-  const std::vector<Sighting> sightings = find_landmarks(frame, grey, guess);
-  const auto distances = [&](const Pose& pose) {
-    std::vector<double> result;
+  given_camera_ = camera_;
+  registered_from_recorded_ = {};
+  const bool is_keyframe = status_.pictures % kKeyframeEvery == 1;
+  if (status_.is_correcting || is_keyframe) {
+    ++status_.searched;
+    cv::Mat grey;
+    cv::cvtColor(frame.picture, grey, cv::COLOR_BGR2GRAY);
+    cv::GaussianBlur(grey, grey, cv::Size(3, 3), 0);
+    const std::vector<Sighting> sightings = find_landmarks(frame, grey, track);
+    const Pose rest = fit_picture(frame, sightings, track.rest);
+    const Pose camera_from_world = (recorded.world_from_camera * common_.recorded_from_mounted * rest).inverse();
+    std::vector<Sighting> fitting;
+    std::vector<double> left;
     for (const Sighting& sighting : sightings) {
-      const glm::dvec3 at = pose.inverse() * sighting.point_in_world;
-      result.push_back(at.z > 0 ? glm::length(camera_->focal_length * (glm::dvec2(at) / at.z - sighting.ray)) : 1e9);
+      const glm::dvec3 at = camera_from_world * sighting.point_in_world;
+      left.push_back(at.z > 0 ? glm::length(camera_->focal_length * (glm::dvec2(at) / at.z - sighting.ray)) : 1e9);
+      if (left.back() > kFitting) continue;
+      Landmark& landmark = landmarks_[sighting.landmark];
+      ++landmark.found;
+      landmark.last_found = status_.pictures;
+      fitting.push_back(sighting);
     }
-    return result;
-  };
-  const Pose rest = fit_picture(frame, sightings);
-  const std::vector<double> left = distances(recorded * common_.recorded_from_mounted * rest);
-  std::vector<Sighting> fitting;
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    if (left[i] > kFitting) continue;
-    Landmark& landmark = landmarks_[sightings[i].landmark];
-    ++landmark.found;
-    landmark.last_found = status_.pictures;
-    fitting.push_back(sightings[i]);
+    track.expected = status_.expected;
+    track.fitting = status_.fitting = fitting.size();
+    status_.found = sightings.size();
+    status_.error_registered = median(left);
+    if (fitting.size() >= kEnough) {
+      if (status_.is_correcting) track.rest = rest;
+      ++status_.registered;
+    }
+    if (is_keyframe) lesson_ = Lesson{recorded, grey, std::move(fitting), is_newest};
   }
-  status_.found = sightings.size();
-  status_.fitting = fitting.size();
-  status_.error_registered = median(left);
-  if (fitting.size() >= kEnough) {
-    if (status_.is_correcting) rest_ = rest;
-    ++status_.registered;
-  }
-  if (status_.pictures % kKeyframeEvery == 1) add_keyframe(frame, grey, fitting);
-  frame.camera = *camera_;
   if (status_.is_correcting) {
-    frame.state.world_from_camera = recorded * common_.recorded_from_mounted * rest_;
-    registered_from_recorded_ = frame.state.world_from_camera * recorded.inverse();
-  } else {
-    registered_from_recorded_ = {};
+    frame.state.world_from_camera = recorded.world_from_camera * common_.recorded_from_mounted * track.rest;
+    registered_from_recorded_ = frame.state.world_from_camera * recorded.world_from_camera.inverse();
   }
+  (is_newest ? newest_ : earlier_) = track;
+}
+
+void Registration::learn() {
+  if (!lesson_) return;
+  std::optional<Track>& track = lesson_->is_newest ? newest_ : earlier_;
+  Pose rest = track ? track->rest : Pose();  // none: time leapt
+  add_keyframe(*lesson_, rest);
+  if (track) track->rest = rest;
   status_.landmarks = landmarks_.size();
+  lesson_.reset();
 }
 
 std::vector<Registration::Sighting> Registration::find_landmarks(const CameraFrame& frame, const cv::Mat& grey,
-                                                                 const Pose& guess) {
-  const int radius = 2 * status_.fitting < status_.expected ? kWideRadius : kRadius;
+                                                                 const Track& track) {
+  const Pose guess = frame.state.world_from_camera * common_.recorded_from_mounted * track.rest;
+  const int radius = 2 * track.fitting < track.expected ? kWideRadius : kRadius;
   std::vector<Pose> camera_from_part;
   for (const Pose& pose : frame.state.world_from_part) camera_from_part.push_back(guess.inverse() * pose);
   std::vector<std::vector<std::size_t>> cells(kColumns * kRows);
@@ -137,11 +165,12 @@ std::vector<Registration::Sighting> Registration::find_landmarks(const CameraFra
   return sightings;
 }
 
-Pose Registration::fit_picture(const CameraFrame& frame, const std::vector<Sighting>& sightings) const {
+Pose Registration::fit_picture(const CameraFrame& frame, const std::vector<Sighting>& sightings,
+                               const Pose& last_rest) const {
   constexpr int kSteps = 10;
   const Pose mounted = frame.state.world_from_camera * common_.recorded_from_mounted;
   const glm::dvec2 focal = frame.camera.focal_length;
-  Pose rest = rest_;
+  Pose rest = last_rest;
   for (int step = 0; step < kSteps; ++step) {
     const Pose camera_from_world = (mounted * rest).inverse();
     std::vector<double> distances;
@@ -170,7 +199,7 @@ Pose Registration::fit_picture(const CameraFrame& frame, const std::vector<Sight
         right[i] += weight * glm::dot(slope[i], error);
       }
     }
-    const MotionVector whole = vector_of(rest), since = vector_of(rest_.inverse() * rest);
+    const MotionVector whole = vector_of(rest), since = vector_of(last_rest.inverse() * rest);
     for (int i = 0; i < 6; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const double tolerance = i < 3 ? tolerances_.rest_translation : tolerances_.rest_rotation;
@@ -186,14 +215,15 @@ Pose Registration::fit_picture(const CameraFrame& frame, const std::vector<Sight
   return rest;
 }
 
-void Registration::add_keyframe(const CameraFrame& frame, const cv::Mat& grey, const std::vector<Sighting>& fitting) {
+/// `rest`: of the picture; as it is found to be.
+void Registration::add_keyframe(const Lesson& lesson, Pose& rest) {
   auto keyframe = std::make_shared<Keyframe>();
   ++keyframes_made_;
-  for (const Pose& pose : frame.state.world_from_part) {
-    keyframe->part_from_recorded.push_back(pose.inverse() * frame.state.world_from_camera);
+  for (const Pose& pose : lesson.recorded.world_from_part) {
+    keyframe->part_from_recorded.push_back(pose.inverse() * lesson.recorded.world_from_camera);
   }
-  keyframe->rest = rest_;
-  for (const Sighting& sighting : fitting) {
+  keyframe->rest = rest;
+  for (const Sighting& sighting : lesson.fitting) {
     Landmark& landmark = landmarks_[sighting.landmark];
     landmark.observations.push_back({keyframe, sighting.pixel});
     if (landmark.observations.size() > kObservations) landmark.observations.pop_front();
@@ -201,11 +231,12 @@ void Registration::add_keyframe(const CameraFrame& frame, const cv::Mat& grey, c
   keyframes_.push_back(keyframe);
   if (keyframes_.size() > kWindow) keyframes_.pop_front();
   fit();
+  rest = keyframe->rest;
   forget_landmarks();
-  CameraFrame registered = frame;
-  registered.camera = *camera_;
-  registered.state.world_from_camera = frame.state.world_from_camera * common_.recorded_from_mounted * rest_;
-  add_landmarks(registered, grey, keyframe);
+  CameraFrame registered{{}, *camera_, lesson.recorded};
+  registered.state.world_from_camera =
+      lesson.recorded.world_from_camera * common_.recorded_from_mounted * keyframe->rest;
+  add_landmarks(registered, lesson.grey, keyframe);
 }
 
 void Registration::fit() {
@@ -221,9 +252,11 @@ void Registration::fit() {
   } else if (was_correcting) {
     common_ = {};
     for (const auto& keyframe : keyframes_) keyframe->rest = {};
+    for (auto* track : {&newest_, &earlier_}) {
+      if (*track) (*track)->rest = {};
+    }
   }
   camera_ = common_.camera(*nominal_);
-  rest_ = keyframes_.back()->rest;
 }
 
 void Registration::forget_landmarks() {

@@ -17,10 +17,11 @@ namespace foreview {
 /// How a camera's pictures are being registered. Medians are over the landmarks found in a picture, pixels.
 struct RegistrationStatus {
   std::size_t pictures = 0;                          ///< taken in
-  std::size_t registered = 0;                        ///< of them those in which enough landmarks were found
+  std::size_t searched = 0;                          ///< of them those in which landmarks were looked for
+  std::size_t registered = 0;                        ///< of those the ones in which enough were found
   std::size_t landmarks = 0;                         ///< known now
-  std::size_t expected = 0, found = 0, fitting = 0;  ///< of the last picture: landmarks looked for, found, within 3 px
-  double error_registered = 0;  ///< of the last picture: how far they are from where they should be after correction
+  std::size_t expected = 0, found = 0, fitting = 0;  ///< of the one searched last: looked for, found, within 3 px
+  double error_registered = 0;  ///< of the one searched last: how far from where they should be after correction
   double error_recorded = 0;    ///< how far those of the keyframes known are from where the record has them
   bool is_correcting = false;   ///< the record is off by more than a pixel, else it stays as it is
 };
@@ -41,16 +42,25 @@ class Registration {
   /// Both must outlive it.
   Registration(const PolygonModel& model, const RayCaster& rays, const RegistrationTolerances& tolerances = {});
 
-  /// Corrects the frame's pose and camera. Frames in the order they are extracted. Another camera model (size, lens)
-  /// than the last one's begins afresh. Some milliseconds on the CPU.
+  /// Corrects the frame's pose and camera by what frames before it taught, and learns from it: place() and learn().
   void correct(CameraFrame& frame);
+  /// Corrects the frame's pose and camera. Frames in the order they are extracted; those captured before others that
+  /// were given already (late ones, history) do not disturb what later ones are corrected by. Another camera model
+  /// (size, lens) than the last one's begins afresh. Some milliseconds on the CPU; next to nothing, three times out of
+  /// four, while nothing is corrected.
+  void place(CameraFrame& frame);
+  /// Learns from the frame placed last, for later ones: now and then it takes longer than place(), some tens of
+  /// milliseconds.
+  void learn();
+  /// Time leaps, also back: what single pictures are off by is found anew; what all have in common stays.
+  void leap();
 
   /// What the last picture's pose was corrected by, in the world: registered_from_recorded() * world_from_camera. A
   /// recorded pose of a later moment so corrected is where the record says that the camera has gone since, from where
   /// the last picture was found to be. Identity where nothing is corrected.
   [[nodiscard]] const Pose& registered_from_recorded() const { return registered_from_recorded_; }
-  /// The corrected camera; none before the first picture.
-  [[nodiscard]] const std::optional<CameraModel>& camera() const { return camera_; }
+  /// The camera as the last picture was given it; none before the first.
+  [[nodiscard]] const std::optional<CameraModel>& camera() const { return given_camera_; }
   [[nodiscard]] const RegistrationStatus& status() const { return status_; }
 
  private:
@@ -59,10 +69,25 @@ class Registration {
     glm::dvec3 point_in_world{0};
     glm::dvec2 pixel{0}, ray{0};
   };
-  [[nodiscard]] std::vector<Sighting> find_landmarks(const CameraFrame& frame, const cv::Mat& grey, const Pose& guess);
-  [[nodiscard]] Pose fit_picture(const CameraFrame& frame, const std::vector<Sighting>& sightings) const;
+  /// Where a sequence of pictures has got to: those that come in the order of capture, or those before them.
+  struct Track {
+    Timestamp stamp;  ///< of its last picture
+    Pose rest;
+    std::size_t expected = 0, fitting = 0;  ///< landmarks
+  };
+  /// What is to be learnt from a picture.
+  struct Lesson {
+    CaptureState recorded;
+    cv::Mat grey;
+    std::vector<Sighting> fitting;
+    bool is_newest = true;
+  };
+  [[nodiscard]] Track nearest_track(Timestamp stamp) const;
+  [[nodiscard]] std::vector<Sighting> find_landmarks(const CameraFrame& frame, const cv::Mat& grey, const Track& track);
+  [[nodiscard]] Pose fit_picture(const CameraFrame& frame, const std::vector<Sighting>& sightings,
+                                 const Pose& last_rest) const;
   void fit();
-  void add_keyframe(const CameraFrame& frame, const cv::Mat& grey, const std::vector<Sighting>& fitting);
+  void add_keyframe(const Lesson& lesson, Pose& rest);
   void add_landmarks(const CameraFrame& frame, const cv::Mat& grey, const std::shared_ptr<Keyframe>& keyframe);
   [[nodiscard]] std::optional<Landmark> landmark_at(const CameraFrame& frame, const cv::Mat& grey,
                                                     const glm::ivec2& pixel,
@@ -72,9 +97,10 @@ class Registration {
   const PolygonModel* model_;
   const RayCaster* rays_;
   RegistrationTolerances tolerances_;
-  std::optional<CameraModel> nominal_, camera_;
+  std::optional<CameraModel> nominal_, camera_, given_camera_;
   CameraRegistration common_;
-  Pose rest_;  ///< of the last picture
+  std::optional<Track> newest_, earlier_;
+  std::optional<Lesson> lesson_;
   Pose registered_from_recorded_;
   std::vector<Landmark> landmarks_;
   std::deque<std::shared_ptr<Keyframe>> keyframes_;  ///< whose rests are still fitted

@@ -15,13 +15,14 @@ namespace foreview::test {
 struct PaintedRoom {
   glm::dvec3 half{2, 1.5, 2.5};
 
-  [[nodiscard]] PolygonModel model() const {
-    RawMesh mesh;
+  [[nodiscard]] PolygonModel model() const { return build_polygon_model(mesh(), {.max_merged_extent = 10}); }
+  [[nodiscard]] RawMesh mesh() const {
+    RawMesh result;
     for (int corner = 0; corner < 8; ++corner) {
-      mesh.vertices.push_back(half * glm::dvec3((corner & 1) ? 1 : -1, (corner & 2) ? 1 : -1, (corner & 4) ? 1 : -1));
+      result.vertices.push_back(half * glm::dvec3((corner & 1) ? 1 : -1, (corner & 2) ? 1 : -1, (corner & 4) ? 1 : -1));
     }
-    mesh.faces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-    return build_polygon_model(mesh, {.max_merged_extent = 10});
+    result.faces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    return result;
   }
   /// Where a line of sight from inside meets a wall.
   [[nodiscard]] glm::dvec3 wall_at(const glm::dvec3& origin, const glm::dvec3& direction) const {

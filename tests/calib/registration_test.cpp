@@ -40,7 +40,10 @@ class Stream {
   };
   /// `recorded_from_true`: of this picture.
   const Picture& add(const Pose& recorded_from_true) {
-    const int number = static_cast<int>(pictures_.size());
+    return add(static_cast<int>(pictures_.size()), recorded_from_true);
+  }
+  /// Picture `number` of the walk.
+  const Picture& add(int number, const Pose& recorded_from_true) {
     const Pose truth = true_pose(number), recorded = truth * recorded_from_true.inverse();
     CameraFrame frame;
     frame.picture = room_.picture(small_camera(), truth);
@@ -50,6 +53,7 @@ class Stream {
     pictures_.push_back({truth, recorded, frame});
     return pictures_.back();
   }
+  void leap() { registration_.leap(); }
   [[nodiscard]] const Registration& registration() const { return registration_; }
   [[nodiscard]] const std::vector<Picture>& pictures() const { return pictures_; }
 
@@ -100,6 +104,7 @@ TEST(Registration, WhatFitsIsLeftAsItIs) {
   EXPECT_LT(status.error_recorded, 0.3);
   EXPECT_GT(status.fitting, 50U);
   EXPECT_EQ(stream.registration().registered_from_recorded(), Pose());
+  EXPECT_EQ(status.searched, 30U) << "every fourth picture is enough as long as nothing is corrected";
 }
 
 TEST(Registration, FindsAMountAndALensThatAreOff) {
@@ -134,6 +139,55 @@ TEST(Registration, FollowsPosesThatDrift) {
   std::sort(registered.begin(), registered.end());
   EXPECT_GT(recorded[recorded.size() / 2], 2.0);
   EXPECT_LT(registered[registered.size() / 2], 0.25 * recorded[recorded.size() / 2]);
+}
+
+/// Median displacement of colours that a picture of the stream put there 40 before, over the last 40.
+double displacement_at_the_end(const Stream& stream, const std::vector<std::size_t>& places, bool registered) {
+  std::vector<double> displacements;
+  for (std::size_t i = places.size() - 40; i < places.size(); ++i) {
+    displacements.push_back(stream.displacement(places[i - 40], places[i], registered));
+  }
+  std::nth_element(displacements.begin(), displacements.begin() + 20, displacements.end());
+  return displacements[20];
+}
+
+TEST(Registration, HistoryDoesNotDisturbTheNewestPictures) {
+  for (const bool with_history : {false, true}) {
+    Stream stream;
+    std::mt19937 random(3);
+    std::normal_distribution<double> step(0, 1);
+    MotionVector drift{};
+    std::vector<std::size_t> places, places_of_history;
+    for (int i = 0; i < 160; ++i) {
+      for (std::size_t k = 0; k < drift.size(); ++k) {
+        drift[k] = 0.95 * drift[k] + (k < 3 ? 0.002 : 0.003) * step(random);
+      }
+      places.push_back(stream.pictures().size());
+      stream.add(200 + i, motion_from(drift));
+      if (!with_history || i >= 150) continue;
+      // Newest first, and off another way.
+      places_of_history.push_back(stream.pictures().size());
+      stream.add(199 - i, Pose{glm::angleAxis(0.02 * std::sin(0.05 * i), glm::dvec3(0, 1, 0)), {0.005, 0.01, 0}});
+    }
+    const double recorded = displacement_at_the_end(stream, places, false);
+    EXPECT_GT(recorded, 2.0);
+    EXPECT_LT(displacement_at_the_end(stream, places, true), 0.25 * recorded) << with_history;
+    if (!with_history) continue;
+    EXPECT_LT(displacement_at_the_end(stream, places_of_history, true), 1.0);
+  }
+}
+
+TEST(Registration, KnowsMountAndLensAfterALeapInTime) {
+  CameraModel recorded = small_camera();
+  recorded.focal_length *= 1.03;
+  Stream stream(recorded);
+  const Pose recorded_from_true{glm::angleAxis(0.03, glm::normalize(glm::dvec3(0.3, 1, 0.2))), {0.03, -0.02, 0.02}};
+  for (int i = 0; i < 150; ++i) stream.add(60 + i, recorded_from_true);
+  ASSERT_TRUE(stream.registration().status().is_correcting);
+  stream.leap();
+  stream.add(190, recorded_from_true);
+  EXPECT_GT(stream.displacement(110, 150, false), 1.0);
+  EXPECT_LT(stream.displacement(110, 150, true), 0.6);
 }
 
 TEST(Registration, HoldsTheLastCorrectionAhead) {
