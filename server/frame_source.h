@@ -60,8 +60,13 @@ class FrameSource {
   /// The newest unread picture; with several cameras, of the one that waited longest. Poll it: at times it gives none
   /// although there is one, rather than wait for another thread.
   [[nodiscard]] virtual std::optional<IncomingFrame> take() = 0;
+  /// The same, but no history.
+  [[nodiscard]] virtual std::optional<IncomingFrame> take_new() { return take(); }
   /// M_d and P_d at a moment of the source's time; none where not known.
   [[nodiscard]] virtual std::optional<PredictedState> predicted_state(Timestamp t) const = 0;
+  /// The operator's camera as the pictures taken show it to be: predictions fit pictures when drawn with it. None: as
+  /// camera_model() has it.
+  [[nodiscard]] virtual std::optional<CameraModel> registered_camera() const { return std::nullopt; }
   [[nodiscard]] virtual SourceStatus status() = 0;
 
   /// The source's time (that of its stamps) at a moment of std::chrono::steady_clock: what is now, or will be when a

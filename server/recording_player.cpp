@@ -295,17 +295,18 @@ struct RecordingPlayer::State {
     return incoming;
   }
 
-  std::optional<IncomingFrame> take() {
+  std::optional<IncomingFrame> take_new() {
     advance();
     Camera* longest = nullptr;
     for (Camera& camera : cameras) {
       if (camera.ready && (longest == nullptr || camera.last_served < longest->last_served)) longest = &camera;
     }
-    if (longest != nullptr) {
-      longest->last_served = ++turns;
-      const Picture picture = *std::exchange(longest->ready, std::nullopt);
-      return hand_over(picture, false);
-    }
+    if (longest == nullptr) return std::nullopt;
+    longest->last_served = ++turns;
+    return hand_over(*std::exchange(longest->ready, std::nullopt), false);
+  }
+
+  std::optional<IncomingFrame> take_history() {
     if (history.empty() || decoded.count(history.front()) == 0) return std::nullopt;
     const Picture picture = history.front();
     history.pop_front();
@@ -343,7 +344,16 @@ RecordingPlayer::~RecordingPlayer() = default;
 std::optional<IncomingFrame> RecordingPlayer::take() {
   const std::unique_lock lock(state_->mutex, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
-  std::optional<IncomingFrame> frame = state_->take();
+  std::optional<IncomingFrame> frame = state_->take_new();
+  if (!frame) frame = state_->take_history();
+  state_->wake_worker();
+  return frame;
+}
+
+std::optional<IncomingFrame> RecordingPlayer::take_new() {
+  const std::unique_lock lock(state_->mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return std::nullopt;
+  std::optional<IncomingFrame> frame = state_->take_new();
   state_->wake_worker();
   return frame;
 }

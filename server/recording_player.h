@@ -36,6 +36,7 @@ class RecordingPlayer final : public FrameSource {
   ~RecordingPlayer() override;
 
   [[nodiscard]] std::optional<IncomingFrame> take() override;
+  [[nodiscard]] std::optional<IncomingFrame> take_new() override;
   [[nodiscard]] std::optional<PredictedState> predicted_state(Timestamp t) const override;
   [[nodiscard]] SourceStatus status() override;
   [[nodiscard]] Timestamp time_at(Timestamp steady) const override;
