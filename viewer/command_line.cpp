@@ -50,7 +50,7 @@ std::string headless_command(const ReplayOptions& replay, const ViewChoice& choi
                    [](int pixels) { return std::to_string(pixels); });
   add_unless_usual("--fill", extraction.fill, usually.fill, named);
   add_unless_usual("--near", extraction.near_plane, usually.near_plane, number);
-  if (replay.registration) add("--registration", "auto");
+  if (!replay.registration) add("--registration", "off");
   if (!extraction.compensate_exposure) add("--exposure", "off");
   if (replay.density) add("--density", number(*replay.density));
   if (replay.max_texels) add("--max-texels", std::to_string(*replay.max_texels));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "foreview/viewer/extraction_names.h"
+#include "foreview/viewer/registration_report.h"
 
 namespace foreview {
 namespace {
@@ -69,16 +70,6 @@ Json json_of(const PixelError& error) {
   result["mean_absolute"] = error.pixels > 0 ? Json(error.mean_absolute) : Json(nullptr);
   result["psnr"] = json_of(error.psnr());
   return result;
-}
-
-Json json_of(const std::optional<RegistrationStatus>& status) {
-  if (!status) return nullptr;
-  return {{"is_correcting", status->is_correcting},
-          {"error_recorded", status->error_recorded},
-          {"error_registered", status->error_registered},
-          {"pictures", status->pictures},
-          {"registered", status->registered},
-          {"landmarks", status->landmarks}};
 }
 
 Json json_of(const InstantScore& score) {
@@ -200,7 +191,7 @@ std::string evaluation_table(const Evaluation& evaluation, const EvaluationOptio
     const RegistrationStatus& status = *evaluation.registration;
     text += line("  registration: landmarks are %.2f pixels off the record%s; found in %zu of %zu pictures",
                  status.error_recorded, status.is_correcting ? ", corrected" : ", which is left as it is",
-                 status.registered, status.pictures);
+                 status.registered, status.searched);
   }
   if (evaluation.damage.total() > evaluation.damage.pictures_unreadable) {
     text += line("  %zu items of the recording were damaged and dropped (see the log)", evaluation.damage.total());
@@ -238,7 +229,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationOption
       {"pictures_extracted", evaluation.pictures_extracted},
       {"pictures_damaged", evaluation.pictures_damaged},
       {"milliseconds_per_picture", milliseconds_per_picture(evaluation)},
-      {"registration", json_of(evaluation.registration)}};
+      {"registration", to_json(evaluation.registration)}};
   json["instants"] = Json::array();
   for (const InstantScore& instant : evaluation.instants) json["instants"].push_back(json_of(instant));
   // Names come from files and may be any bytes: JSON must be UTF-8 all the same.

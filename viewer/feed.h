@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 
+#include "foreview/calib/registration.h"
 #include "foreview/scene/camera_model.h"
 #include "foreview/scene/polygon_model.h"
 #include "foreview/server/frame_source.h"
@@ -39,6 +40,9 @@ class Feed {
   [[nodiscard]] virtual bool camera_model_known() const { return true; }
   /// As known to begin with.
   [[nodiscard]] virtual CameraSurroundings surroundings() const = 0;
+
+  /// How the operator's camera is being registered; none: it is not.
+  [[nodiscard]] virtual std::optional<RegistrationStatus> registration() const { return std::nullopt; }
 
   /// Null where there is none: live.
   [[nodiscard]] virtual const Recording* recording() const { return nullptr; }

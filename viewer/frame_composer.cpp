@@ -77,6 +77,7 @@ void FrameComposer::compose(const FrameInput& input, const ViewChoice& choice, c
 
 void FrameComposer::draw_predicted(const FrameInput& input, const ViewChoice& choice, const Viewport& viewport) {
   if (!input.predicted) return;
+  const CameraModel camera = input.camera_or(camera_);
   const Overlays& overlays = choice.overlays;
   ViewStyle style;
   style.quality = choice.quality;
@@ -93,10 +94,10 @@ void FrameComposer::draw_predicted(const FrameInput& input, const ViewChoice& ch
   style.age_span = choice.age_span;
   if (overlays.cone && input.capture) {
     style.spotlight = &*input.capture;
-    style.spotlight_camera = &camera_;
+    style.spotlight_camera = &camera;
   }
-  view_.draw(with_field_of_view(camera_, choice.field_of_view), *input.predicted, style, target_.framebuffer(),
-             viewport, false);
+  view_.draw(with_field_of_view(camera, choice.field_of_view), *input.predicted, style, target_.framebuffer(), viewport,
+             false);
 }
 
 bool FrameComposer::load(const FramePicture& picture, Shown& into) {
@@ -177,7 +178,7 @@ void FrameComposer::draw_delayed(const FrameInput& input, const ViewChoice& choi
   draw_over(picture_program_, viewport);
   glBindSampler(0, 0);
   if (!choice.overlays.edges || !input.capture) return;
-  view_.draw_edges(camera_, *input.capture, target_.framebuffer(), viewport, false, near_plane_);
+  view_.draw_edges(input.camera_or(camera_), *input.capture, target_.framebuffer(), viewport, false, near_plane_);
 }
 
 }  // namespace foreview

@@ -20,11 +20,19 @@ struct FramePicture {
 struct FrameInput {
   Timestamp moment;                         ///< that the frame shows: ages count from it
   std::optional<PredictedState> predicted;  ///< M_d, and P_d, the operator's camera; none: no predicted view
+  std::optional<CameraModel> camera;        ///< the operator's, as registered; none: as it is known without
   std::optional<CaptureState> capture;      ///< M_t, P_t of the delayed picture: for its edges and its cone
   FramePicture delayed;                     ///< newest picture used
   /// The picture taken at `moment`, from where `predicted` sees it, for the difference; empty where nobody knows it.
   FramePicture truth;
   Staleness staleness;
+
+  /// The operator's camera without its distortion; `known`: the same, not registered.
+  [[nodiscard]] CameraModel camera_or(const CameraModel& known) const {
+    // Registered may be one of before the camera became another one.
+    if (!camera || camera->width != known.width || camera->height != known.height) return known;
+    return camera->undistorted();
+  }
 };
 
 }  // namespace foreview

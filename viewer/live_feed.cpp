@@ -91,6 +91,8 @@ LiveFeed::LiveFeed(const Options& options, const ReplayOptions& replay)
   for (const LiveSource::Camera& camera : source.cameras) camera_names_.push_back(camera.name);
   node_ = std::make_unique<DdsNode>(options.network);
   source_ = std::make_unique<LiveSource>(std::move(source));
+  shown_ = source_.get();
+  if (replay.registration) shown_ = &registered_.emplace(*source_, scene_.model, camera_);
   receiver_ = std::make_unique<LiveReceiver>(*node_, topics_, *source_);
 }
 
@@ -106,7 +108,7 @@ CameraModel LiveFeed::camera_model() const {
 
 LiveReport LiveFeed::report() const {
   LiveReport report;
-  const SourceStatus status = source_->status();
+  const SourceStatus status = shown_->status();
   for (std::size_t i = 0; i < topics_.size(); ++i) {
     report.cameras.push_back({camera_names_[i], topics_[i].image, status.cameras[i], receiver_->lost(i)});
   }
@@ -116,6 +118,10 @@ LiveReport LiveFeed::report() const {
   report.display_p99 = displayed_.quantile(0.99);
   report.missing = receiver_->missing();
   return report;
+}
+
+std::optional<RegistrationStatus> LiveFeed::registration() const {
+  return registered_ ? std::optional(registered_->registration()) : std::nullopt;
 }
 
 void LiveFeed::tell(ViewerStatus& status) {

@@ -11,6 +11,7 @@
 #include "foreview/server/live_source.h"
 #include "foreview/viewer/feed.h"
 #include "foreview/viewer/live_report.h"
+#include "foreview/viewer/registered_source.h"
 #include "foreview/viewer/replayer.h"
 
 namespace foreview {
@@ -32,13 +33,14 @@ class LiveFeed final : public Feed {
   LiveFeed(const Options& options, const ReplayOptions& replay);
 
   [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] LiveSource& source() override { return *source_; }
+  [[nodiscard]] FrameSource& source() override { return *shown_; }
   [[nodiscard]] const PolygonModel& model() const override { return scene_.model; }
   [[nodiscard]] LiveScene::Options scene_options(const ExtractionOptions& extraction) const override;
   [[nodiscard]] std::size_t camera() const override { return camera_; }
   [[nodiscard]] CameraModel camera_model() const override;
   [[nodiscard]] bool camera_model_known() const override { return source_->camera_model(camera_).has_value(); }
   [[nodiscard]] CameraSurroundings surroundings() const override { return scene_.surroundings; }
+  [[nodiscard]] std::optional<RegistrationStatus> registration() const override;
   void set_link(const LinkOptions& options) override { source_->set_link(options); }
   void tell(ViewerStatus& status) override;
   void displayed(const PictureRecord& picture) override;
@@ -67,6 +69,8 @@ class LiveFeed final : public Feed {
   // In this order: the receiver ends first.
   std::unique_ptr<DdsNode> node_;
   std::unique_ptr<LiveSource> source_;
+  std::optional<RegisteredSource> registered_;
+  FrameSource* shown_ = nullptr;
   std::unique_ptr<LiveReceiver> receiver_;
   LatencyWindow displayed_;
   std::size_t pictures_displayed_ = 0;

@@ -57,6 +57,7 @@ FrameInput& LiveFrames::at(Timestamp t, Timestamp since, const FrameMoment& mome
   input_.moment = t;
   input_.predicted = source_.predicted_state(t);
   if (input_.predicted) input_.predicted->world_from_camera = operator_pose(input_.predicted->world_from_camera);
+  input_.camera = source_.registered_camera();
   take_delayed(moment);
   find_truth(t, choice);
   StalenessInput known;

@@ -27,6 +27,7 @@
 #include "foreview/viewer/pacing_report.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/predicted_view.h"
+#include "foreview/viewer/registration_report.h"
 #include "foreview/viewer/replay_options_cli.h"
 #include "foreview/viewer/undistortion.h"
 
@@ -85,6 +86,7 @@ class LiveHeadless {
     pacing.height = size_.height;
     pacing.quality = to_string(quality_);
     pacing.delay_seconds = options_.live.source.link.delay.seconds();
+    pacing.registration = feed_.registration();
     pacing.runs.push_back(run_);
     if (!quiet) {
       std::fputs(pacing_text(pacing).c_str(), stdout);
@@ -257,6 +259,7 @@ class LiveHeadless {
               {"frames_not_saved", frames_unsaved_},
               {"streams_begun_anew", run_.restarts}};
     json.update(to_json(report));
+    json["registration"] = to_json(feed_.registration());
     json["staleness"] = std::move(phases);
     json["saved"] = std::move(saved);
     return json;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "foreview/viewer/formatted.h"
+#include "foreview/viewer/registration_report.h"
 
 namespace foreview {
 namespace {
@@ -152,6 +153,7 @@ std::string pacing_text(const PacingReport& report) {
       formatted("frames of %d x %d, quality %s%s, on %s\n", report.width, report.height, report.quality.c_str(),
                 report.realtime ? ", in real time" : "", report.renderer.c_str());
   for (const PacingRun& run : report.runs) text += run_text(run);
+  text += "registration: " + to_text(report.registration) + "\n";
   const PacingRun* both = find(report, true, true);
   const PacingRun* display = find(report, true, false);
   const PacingRun* extraction = find(report, false, true);
@@ -176,6 +178,7 @@ std::string pacing_json(const PacingReport& report) {
   const PacingRun* both = find(report, true, true);
   const PacingRun* display = find(report, true, false);
   const PacingRun* extraction = find(report, false, true);
+  json["registration"] = to_json(report.registration);
   json["part_as_punctual_as_alone"] =
       both != nullptr && display != nullptr ? Json(part_as_punctual(*both, *display)) : Json(nullptr);
   json["part_of_picture_rate_alone"] =

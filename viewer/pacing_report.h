@@ -1,7 +1,9 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "foreview/calib/registration.h"
 #include "foreview/viewer/pacing.h"
 
 namespace foreview {
@@ -10,9 +12,10 @@ struct PacingReport {
   std::string recording, renderer;
   int width = 0, height = 0;  ///< of the frames, pixels
   double delay_seconds = 0;
-  std::string quality;          ///< of the frames: full, fast
-  bool realtime = false;        ///< ran ahead of ordinary programs
-  std::vector<PacingRun> runs;  ///< with frames and extraction last
+  std::string quality;                             ///< of the frames: full, fast
+  bool realtime = false;                           ///< ran ahead of ordinary programs
+  std::optional<RegistrationStatus> registration;  ///< of the last run, at its end; none: off
+  std::vector<PacingRun> runs;                     ///< with frames and extraction last
 };
 
 inline constexpr int kPacingJsonVersion = 1;

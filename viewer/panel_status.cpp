@@ -3,6 +3,7 @@
 #include "foreview/viewer/formatted.h"
 #include "foreview/viewer/interface_widgets.h"
 #include "foreview/viewer/panels.h"
+#include "foreview/viewer/registration_report.h"
 
 namespace foreview {
 namespace {
@@ -61,6 +62,7 @@ void show_source(const ViewerStatus& status) {
   const SourceStatus& source = status.source;
   widgets::fact("Newest picture", status.newest_picture ? age_text(status.now - *status.newest_picture) + " old"
                                                         : std::string("none yet"));
+  widgets::fact("Registration", to_text(status.registration));
   if (status.live) return show_live(*status.live);
   widgets::fact("Pictures in / used / overwritten", count_text(source.pictures_in) + " / " + count_text(source.used) +
                                                         " / " + count_text(source.overwritten));

@@ -48,7 +48,7 @@ void PolygonProbe::update(const FrameInput& input, const ViewChoice& choice, con
 void PolygonProbe::ask_pixel(const FrameInput& input, const ViewChoice& choice, const PredictedView::Viewport& viewport,
                              const glm::ivec2& pixel) {
   const CameraModel whole =
-      fit_camera(with_field_of_view(camera_, choice.field_of_view), viewport.width, viewport.height);
+      fit_camera(with_field_of_view(input.camera_or(camera_), choice.field_of_view), viewport.width, viewport.height);
   CameraModel camera = whole;
   camera.width = camera.height = 1;
   camera.principal_point -= glm::dvec2(pixel.x - viewport.x, pixel.y - viewport.y);

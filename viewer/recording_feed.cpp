@@ -34,7 +34,18 @@ RecordingFeed::RecordingFeed(const Options& options)
     : input_(options.replay),
       span_(find_span(input_)),
       clock_(clock_options(options, span_)),
-      player_(input_.recording, input_.model, clock_, player_options(options, input_)) {}
+      player_(input_.recording, input_.model, clock_, player_options(options, input_)) {
+  if (options.replay.registration) registered_.emplace(player_, input_.model, input_.camera);
+}
+
+FrameSource& RecordingFeed::source() {
+  if (registered_) return *registered_;
+  return player_;
+}
+
+std::optional<RegistrationStatus> RecordingFeed::registration() const {
+  return registered_ ? std::optional(registered_->registration()) : std::nullopt;
+}
 
 LiveScene::Options RecordingFeed::scene_options(const ExtractionOptions& extraction) const {
   LiveScene::Options options = live_scene_options(input_.options, input_.charts, input_.recording.initial_textures());

@@ -3,6 +3,7 @@
 
 #include "foreview/server/recording_player.h"
 #include "foreview/viewer/feed.h"
+#include "foreview/viewer/registered_source.h"
 #include "foreview/viewer/replay_input.h"
 
 namespace foreview {
@@ -21,12 +22,13 @@ class RecordingFeed final : public Feed {
   explicit RecordingFeed(const Options& options);
 
   [[nodiscard]] const std::string& name() const override { return input_.recording.name(); }
-  [[nodiscard]] RecordingPlayer& source() override { return player_; }
+  [[nodiscard]] FrameSource& source() override;
   [[nodiscard]] const PolygonModel& model() const override { return input_.model; }
   [[nodiscard]] LiveScene::Options scene_options(const ExtractionOptions& extraction) const override;
   [[nodiscard]] std::size_t camera() const override { return input_.camera; }
   [[nodiscard]] CameraModel camera_model() const override;
   [[nodiscard]] CameraSurroundings surroundings() const override;
+  [[nodiscard]] std::optional<RegistrationStatus> registration() const override;
   [[nodiscard]] const Recording* recording() const override { return &input_.recording; }
   [[nodiscard]] PlaybackClock* clock() override { return &clock_; }
   void set_link(const LinkOptions& options) override { player_.set_link(options); }
@@ -40,6 +42,7 @@ class RecordingFeed final : public Feed {
   ReplaySpan span_;
   PlaybackClock clock_;
   RecordingPlayer player_;
+  std::optional<RegisteredSource> registered_;
 };
 
 }  // namespace foreview

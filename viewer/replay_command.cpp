@@ -16,6 +16,7 @@
 #include "foreview/viewer/link_options_cli.h"
 #include "foreview/viewer/picture_output.h"
 #include "foreview/viewer/progress.h"
+#include "foreview/viewer/registration_report.h"
 #include "foreview/viewer/replay_options_cli.h"
 #include "foreview/viewer/replay_pacing.h"
 #include "foreview/viewer/replay_session.h"
@@ -46,10 +47,6 @@ void check(const ReplayCommand& command) {
   const double speed = command.session.speed;
   if (!(speed >= 0.01 && speed <= 100)) throw InputError("--speed", "expected a factor from 0.01 to 100");
   if (command.session.every < 1) throw InputError("--every", "expected 1 or more");
-  if (command.replay.registration && (!command.headless || command.pacing.rate)) {
-    throw InputError("--registration",
-                     "auto is for --headless --out only, so far; expected off, or --headless --out DIR");
-  }
   if (command.pacing.rate) {
     if (!command.headless) throw InputError("--rate", "expected --headless with it; a window has a rate of its own");
     if (command.replay.history) throw InputError("--history", "is not for --rate: pictures come as they arrive");
@@ -88,6 +85,7 @@ void write_json(const std::filesystem::path& file, Replayer& replayer, const Rep
       {"items_damaged", damage.total()},
       {"polygons", replayer.model().polygons().size()},
       {"polygons_visible", statistics.polygons_visible},
+      {"registration", to_json(replayer.registration())},
   };
   write_file_whole(file, json.dump(2) + "\n");
 }
@@ -120,7 +118,8 @@ void run(const ReplayCommand& given, bool quiet) {
   const ReplaySummary summary = replay_headless(replayer, command.session);
   if (!quiet) {
     std::cout << summary.pictures_written << " pictures in " << command.session.out.string() << "/"
-              << to_string(command.session.choice.mode) << "\n";
+              << to_string(command.session.choice.mode) << "; registration: " << to_text(replayer.registration())
+              << "\n";
   }
   if (replayer.pictures_damaged() > 0) {
     spdlog::warn("{} picture(s) could not be read and were left out", replayer.pictures_damaged());

@@ -35,10 +35,7 @@ void ReplayFrames::set_pictures(Timestamp t, const ViewChoice& choice) {
   const std::optional<std::size_t> newest = replayer_.newest_used();
   if (shows_delayed(choice.mode)) read(input_.delayed, newest);
   input_.capture.reset();
-  if (newest && (choice.overlays.edges || choice.overlays.cone)) {
-    input_.capture =
-        recording.capture_state(camera, recording.cameras()[camera].pictures[*newest].stamp, replayer_.model());
-  }
+  if (const auto& used = replayer_.last_used_by_operator()) input_.capture = used->state;
   const bool from_there = choice.camera == CameraMode::follow && !choice.field_of_view;
   if (choice.mode != ViewMode::difference || !from_there) return read(input_.truth, std::nullopt);
   // Between two pictures: what the earlier one shows, with the prediction of its own moment.
@@ -50,6 +47,7 @@ void ReplayFrames::set_pictures(Timestamp t, const ViewChoice& choice) {
 FrameInput& ReplayFrames::at(Timestamp t, const ViewChoice& choice) {
   input_.moment = t;
   input_.predicted = replayer_.predicted_state(t);
+  input_.camera = replayer_.registered_camera();
   set_pictures(t, choice);
   if (input_.predicted) {
     camera_.apply(choice, replayer_.operator_camera(), input_.predicted->world_from_camera);

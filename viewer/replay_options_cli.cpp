@@ -141,7 +141,7 @@ void add_pipeline_options(CLI::App& command, ReplayOptions& options) {
 void add_registration_option(CLI::App& command, ReplayOptions& options) {
   add(command, "--registration", "RULE",
       "What to do about poses and a camera that do not quite fit the pictures: auto (correct them by landmarks found "
-      "again) or off (default: off)",
+      "again) or off (default: auto)",
       [&options](const std::string& text, const std::string& option) {
         options.registration = parse_auto_or_off(text, option);
       });

@@ -23,7 +23,7 @@ void add_pipeline_options(CLI::App& command, ReplayOptions& options);
 /// A whole number from 1 to a million; InputError naming `option`.
 [[nodiscard]] std::size_t parse_count(const std::string& text, const std::string& option);
 
-/// Adds --registration, for commands whose pictures all go through a Replayer.
+/// Adds --registration, for commands that show pictures, or measure what is shown.
 void add_registration_option(CLI::App& command, ReplayOptions& options);
 
 }  // namespace foreview

@@ -20,6 +20,7 @@
 #include "foreview/viewer/predicted_view.h"
 #include "foreview/viewer/preloaded_source.h"
 #include "foreview/viewer/realtime.h"
+#include "foreview/viewer/registered_source.h"
 #include "foreview/viewer/render_target.h"
 #include "foreview/viewer/replay_input.h"
 
@@ -68,7 +69,7 @@ class PacedReplay {
   /// Which of the two there are to be.
   void run(bool frames, bool pictures) {
     if (interrupted()) return;
-    begin_source();
+    begin_source(pictures);
     PacingRequest request;
     request.period = Duration::from_seconds(1 / *options_.rate);
     request.duration = options_.duration;
@@ -82,8 +83,9 @@ class PacedReplay {
       };
     }
     request.draw = [this](const FrameMoment& moment) { draw(moment); };
-    report_.runs.push_back(frames ? measure_pacing(scene_, *source_, request)
-                                  : measure_extraction_alone(scene_, *source_, request));
+    report_.runs.push_back(frames ? measure_pacing(scene_, source(), request)
+                                  : measure_extraction_alone(scene_, source(), request));
+    report_.registration = registered_ ? std::optional(registered_->registration()) : std::nullopt;
     if (const std::string error = source_->status().error; !error.empty()) spdlog::warn("{}", error);
   }
   [[nodiscard]] const PacingReport& report() const { return report_; }
@@ -115,8 +117,10 @@ class PacedReplay {
     }
     return quality_;
   }
-  void begin_source() {
+  /// What is not to be extracted is not registered either: it would only take the display's time.
+  void begin_source(bool pictures) {
     const OrdinaryPriority for_decoding;
+    registered_.reset();
     source_.reset();
     if (options_.back_to_back) {
       source_ =
@@ -129,15 +133,21 @@ class PacedReplay {
     player.link.delay = input_.options.delay;
     player.camera = input_.camera;
     source_ = std::make_unique<RecordingPlayer>(input_.recording, input_.model, *clock_, player);
+    if (pictures && input_.options.registration) registered_.emplace(*source_, input_.model, input_.camera);
+  }
+  [[nodiscard]] FrameSource& source() {
+    if (registered_) return *registered_;
+    return *source_;
   }
   void draw(const FrameMoment& moment) {
-    if (const auto state = source_->predicted_state(source_->time_at(moment.seen))) draw(*state);
+    if (const auto state = source().predicted_state(source().time_at(moment.seen))) draw(*state);
   }
   void draw(const PredictedState& state) {
     ViewStyle style;
     style.near_plane = input_.options.extraction.near_plane;
     style.quality = quality_;
-    view_.draw(camera_, state, style, target_.framebuffer(), {0, 0, options_.width, options_.height}, false);
+    const CameraModel camera = registered_ ? registered_->registered_camera().value_or(camera_).undistorted() : camera_;
+    view_.draw(camera, state, style, target_.framebuffer(), {0, 0, options_.width, options_.height}, false);
     static_cast<void>(target_.resolve());
   }
 
@@ -156,6 +166,7 @@ class PacedReplay {
   Timestamp first_, last_;
   std::unique_ptr<PlaybackClock> clock_;
   std::unique_ptr<FrameSource> source_;
+  std::optional<RegisteredSource> registered_;
   PacingReport report_;
 };
 
@@ -200,7 +211,7 @@ void add_pacing_options(CLI::App& command, ReplayPacingOptions& options) {
                    "With --rate: draw and extract ahead of ordinary programs (SCHED_RR), where the system allows it");
   command.add_flag("--back-to-back", options.back_to_back,
                    "With --rate: extract the next picture whenever one is finished, decoded beforehand; not when it "
-                   "arrives");
+                   "arrives; as it was recorded, without --registration");
 }
 
 void replay_pacing(const ReplayOptions& replay, const LinkOptions& link, const ReplayPacingOptions& options,

@@ -61,6 +61,7 @@ struct Replayer::State : ReplayInput {
     store.clear();
     used.clear();
     last_used.reset();
+    last_used_by_operator.reset();
     registrations.clear();
     for (std::size_t c = 0; rays && c < recording.cameras().size(); ++c) registrations.emplace_back(model, *rays);
     const auto initial = options.load_textures ? options.load_textures : recording.initial_textures();
@@ -115,6 +116,7 @@ struct Replayer::State : ReplayInput {
           extract(*frame);
           used.push_back(id);
           last_used = UsedPicture{id.camera, id.index, frame->camera.undistorted(), frame->state};
+          if (id.camera == camera) last_used_by_operator = last_used;
           ++extracted;
         } else {
           // With --history, an older picture takes its place: the operator's site would never have got it.
@@ -145,7 +147,7 @@ struct Replayer::State : ReplayInput {
   Timestamp first, last;
   std::optional<RayCaster> rays;            ///< with registration
   std::vector<Registration> registrations;  ///< of each camera, or none
-  std::optional<UsedPicture> last_used;
+  std::optional<UsedPicture> last_used, last_used_by_operator;
   std::vector<PictureId> used;  ///< since the textures were last begun afresh, in the order of their extraction
   std::set<PictureId> damaged;
   bool initial_unfit = false;
@@ -199,9 +201,7 @@ std::optional<PredictedState> Replayer::predicted_state(Timestamp t) const {
 }
 
 CameraModel Replayer::registered_camera() const {
-  const auto& registrations = state_->registrations;
-  const auto corrected = registrations.empty() ? std::nullopt : registrations[state_->camera].camera();
-  return corrected ? corrected->undistorted() : state_->operator_camera;
+  return state_->last_used_by_operator ? state_->last_used_by_operator->model : state_->operator_camera;
 }
 
 std::optional<std::size_t> Replayer::newest_used() const {
@@ -213,6 +213,10 @@ std::optional<std::size_t> Replayer::newest_used() const {
 
 const std::optional<Replayer::UsedPicture>& Replayer::last_used() const {
   return state_->last_used;
+}
+
+const std::optional<Replayer::UsedPicture>& Replayer::last_used_by_operator() const {
+  return state_->last_used_by_operator;
 }
 
 std::optional<RegistrationStatus> Replayer::registration() const {

@@ -24,7 +24,7 @@ struct ReplayOptions {
   std::optional<std::size_t> history;  ///< only the last N pictures before t - delay
   PipelineKind pipeline = PipelineKind::batched;
   ExtractionOptions extraction{.compensate_exposure = true};
-  bool registration = false;      ///< correct poses and cameras by what pictures show (Registration)
+  bool registration = true;       ///< correct poses and cameras by what pictures show (Registration)
   std::optional<double> density;  ///< texels per metre; else the recording's proposal, else propose_textures()
   std::optional<int> max_texels;  ///< else the recording's proposal, else propose_textures()
   std::optional<std::filesystem::path> load_textures, save_textures;
@@ -65,13 +65,15 @@ class Replayer {
   /// operator_camera(), with registration as the pictures used so far correct it: where predictions are to fall on
   /// the true picture.
   [[nodiscard]] CameraModel registered_camera() const;
-  /// The newest picture used of any camera: the one whose colours win.
   struct UsedPicture {
     std::size_t camera = 0, index = 0;
     CameraModel model;   ///< that it was extracted with, undistorted: with registration, the corrected one ...
     CaptureState state;  ///< ... and so its pose
   };
+  /// The newest picture used of any camera: the one whose colours win.
   [[nodiscard]] const std::optional<UsedPicture>& last_used() const;
+  /// The newest one used of the operator's camera.
+  [[nodiscard]] const std::optional<UsedPicture>& last_used_by_operator() const;
   /// How the operator's camera is being registered; none without registration.
   [[nodiscard]] std::optional<RegistrationStatus> registration() const;
   /// A picture of the operator's camera without lens distortion (CV_8UC3 BGR); InputError where it is damaged.

@@ -16,6 +16,7 @@
 #include "foreview/viewer/link_options_cli.h"
 #include "foreview/viewer/live_headless.h"
 #include "foreview/viewer/live_options_cli.h"
+#include "foreview/viewer/registration_report.h"
 #include "foreview/viewer/replay_options_cli.h"
 #include "foreview/viewer/view_options_cli.h"
 #include "foreview/viewer/viewer_session.h"
@@ -48,6 +49,7 @@ void write_json(const std::filesystem::path& file, const ViewerSummary& summary)
       {"objects_grown", summary.objects_grown},
       {"objects_left", summary.objects_left},
   };
+  json["registration"] = to_json(summary.registration);
   if (summary.live) json.update(to_json(*summary.live));
   write_file_whole(file, json.dump(2) + "\n");
 }
@@ -170,6 +172,7 @@ void add_view_command(CLI::App& app) {
   const auto command = std::make_shared<ViewCommand>();
   ViewerOptions& options = command->options;
   add_replay_options(*view, options.replay, false);
+  add_registration_option(*view, options.replay);
   add_pipeline_options(*view, options.replay);
   add_link_options(*view, options.link);
   view->add_option("--speed", options.session.speed, "Recorded seconds per second (default: 1)")->type_name("FACTOR");

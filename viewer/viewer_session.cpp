@@ -356,6 +356,7 @@ class ViewerSession {
       status_.last_pictures.push_back(picture);
     }
     status_.source = source_.status();
+    status_.registration = feed_->registration();
     feed_->tell(status_);
     status_.texture_bytes = stage_->scene().store().memory_bytes();
     status_.truth_known = stage_->truth_known();
@@ -452,6 +453,7 @@ class ViewerSession {
       summary_.to_seconds = (feed_->clock()->last() - start).seconds();
     }
     summary_.source = source_.status();
+    summary_.registration = feed_->registration();
     feed_->tell(status_);
     summary_.live = status_.live;
     summary_.counters.pictures_overwritten = summary_.source.overwritten;

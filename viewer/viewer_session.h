@@ -35,6 +35,7 @@ struct ViewerSummary {
   std::size_t frames = 0, frames_late = 0, frames_skipped = 0, frames_missed = 0;
   RunCounters counters;
   SourceStatus source;
+  std::optional<RegistrationStatus> registration;
   std::optional<LiveReport> live;
 };
 

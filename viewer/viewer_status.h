@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "foreview/calib/registration.h"
 #include "foreview/gpu/extraction.h"
 #include "foreview/scene/timestamp.h"
 #include "foreview/server/frame_source.h"
@@ -43,7 +44,8 @@ struct ViewerStatus {
   static constexpr std::size_t kPictures = 48;
   double pictures_per_second = 0;
   SourceStatus source;
-  std::optional<LiveReport> live;  ///< of live streams
+  std::optional<LiveReport> live;                  ///< of live streams
+  std::optional<RegistrationStatus> registration;  ///< of the operator's camera; none: off
 
   // Memory, in bytes.
   std::size_t texture_bytes = 0;

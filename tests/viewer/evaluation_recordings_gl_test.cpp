@@ -107,6 +107,7 @@ TEST_F(EvaluationOfRecordings, RegistrationBringsTheKitchensTexturesTogether) {
   options.replay.to = "#235";
   options.replay.density = 100;
   options.every = 15;
+  options.replay.registration = false;
   const EvaluationSummary before = summary_of(options, 3);
   options.replay.registration = true;
   const EvaluationSummary after = summary_of(options, 3);

@@ -42,6 +42,8 @@ void fill_in(PanelHarness& panels) {
   status.source.pictures_in = 240;
   status.source.used = 98;
   status.source.overwritten = 141;
+  status.registration.emplace();
+  status.registration->error_recorded = 0.42;
   status.texture_bytes = std::size_t{384} << 20;
   status.process_bytes = std::size_t{1234} << 20;
   status.renderer = "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5 (Core Profile) Mesa 22.3.6";
@@ -131,6 +133,9 @@ TEST_F(PanelPictures, OfTroubles) {
   source.pictures_in = 1234567;
   source.used = 1000000;
   source.overwritten = 234567;
+  panels.status().registration->is_correcting = true;
+  panels.status().registration->error_recorded = 15.9;
+  panels.status().registration->error_registered = 11.4;
   source.lost = 12;
   source.damaged = 3;
   source.stateless = 1;

@@ -6,9 +6,11 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "calib/painted_room.h"
 #include "support/slow_build.h"
 #include "support/temporary_directory.h"
 #include "viewer/run_foreview.h"
@@ -64,6 +66,55 @@ TEST_F(ReplayPacing, GoesOverTheLinkThatIsAskedFor) {
   lossy.insert(lossy.end(), {"--loss", "100%"});
   ASSERT_EQ(test::run_foreview(lossy).status, 0);
   EXPECT_EQ(read()["runs"][0]["pictures_extracted"], 0) << "all are lost";
+}
+
+/// A walk through the painted room, one picture every 50 ms, whose recorded camera has another focal length and is not
+/// quite where the poses are.
+void write_badly_registered(const fs::path& directory, int pictures) {
+  const test::PaintedRoom room;
+  const CameraModel camera = test::pinhole(320, 240, 260);
+  fs::create_directories(directory);
+  write_obj(room.mesh(), directory / "scene.obj");
+  RecordingWriter::Description description;
+  description.name = "badly registered";
+  CameraModel recorded_camera = camera;
+  recorded_camera.focal_length *= 1.03;
+  description.cameras = {{"", recorded_camera}};
+  description.scene_file = "scene.obj";
+  description.import_options.backdrop = false;
+  description.density = 20;
+  RecordingWriter writer(directory, description);
+  const Pose recorded_from_true{glm::angleAxis(0.03, glm::normalize(glm::dvec3(0.3, 1, 0.2))), {0.03, -0.02, 0.02}};
+  for (int i = 0; i < pictures; ++i) {
+    const double t = i / 30.0;
+    const glm::dvec3 eye(0.6 * std::sin(1.1 * t), 0.2 * std::sin(1.7 * t), -1.2 + 0.5 * std::sin(0.7 * t));
+    const Pose truth = looking_at(eye, eye + glm::dvec3(0.6 * std::sin(0.8 * t), 0.2 * std::cos(t), 1), {0, -1, 0});
+    const Timestamp stamp{1'000'000'000 + i * 50'000'000LL};
+    writer.add_camera_pose(0, stamp, truth * recorded_from_true.inverse());
+    writer.add_picture(0, stamp, room.picture(camera, truth), "png");
+  }
+  writer.finish();
+}
+
+TEST_F(ReplayPacing, CorrectsRegistrationBesideTheDisplay) {
+  const fs::path recording = directory_.path() / "room";
+  write_badly_registered(recording, 120);
+  const std::vector<std::string> options{"replay",  recording.string(), "--headless",  "--rate",
+                                         "20",      "--delay",          "100ms",       "--size",
+                                         "160x120", "--pacing",         file_.string()};
+  auto long_enough = options;
+  long_enough.insert(long_enough.end(), {"--duration", test::kIsSlowBuild ? "90s" : "10s"});
+  const test::Finished finished = test::run_foreview(long_enough);
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const json registration = read()["registration"];
+  EXPECT_TRUE(registration["is_correcting"]) << registration;
+  EXPECT_GT(registration["error_recorded"], 1.5) << registration;
+  EXPECT_LT(registration["error_registered"], 0.5 * registration["error_recorded"].get<double>()) << registration;
+  EXPECT_NE(finished.out.find(" px off, now "), std::string::npos) << finished.out;
+  auto off = options;
+  off.insert(off.end(), {"--duration", "1s", "--registration", "off"});
+  ASSERT_EQ(test::run_foreview(off).status, 0);
+  EXPECT_TRUE(read()["registration"].is_null());
 }
 
 TEST_F(ReplayPacing, RunsInRealTimeWhereAskedAndAllowed) {
