@@ -42,8 +42,23 @@ Registration::Registration(const PolygonModel& model, const RayCaster& rays, con
     : model_(&model), rays_(&rays), tolerances_(tolerances) {}
 
 void Registration::correct(CameraFrame& frame) {
+  const Pose recorded = frame.state.world_from_camera;
   place(frame);
+  if (!lesson_) return;
+  const bool is_newest = lesson_->is_newest;
   learn();
+  give(frame, recorded, (is_newest ? newest_ : earlier_)->rest);
+}
+
+/// Of a picture with this rest.
+void Registration::give(CameraFrame& frame, const Pose& recorded, const Pose& rest) {
+  frame.camera = *camera_;
+  given_camera_ = camera_;
+  frame.state.world_from_camera = recorded;
+  registered_from_recorded_ = {};
+  if (!status_.is_correcting) return;
+  frame.state.world_from_camera = recorded * common_.recorded_from_mounted * rest;
+  registered_from_recorded_ = frame.state.world_from_camera * recorded.inverse();
 }
 
 void Registration::leap() {
@@ -72,10 +87,9 @@ void Registration::place(CameraFrame& frame) {
   track.stamp = frame.state.stamp;
   const CaptureState recorded = frame.state;
   frame.camera = *camera_;
-  given_camera_ = camera_;
-  registered_from_recorded_ = {};
   const bool is_keyframe = status_.pictures % kKeyframeEvery == 1;
-  if (status_.is_correcting || is_keyframe) {
+  const bool is_judged = keyframes_made_ >= kEnoughKeyframes;
+  if (status_.is_correcting || is_keyframe || !is_judged) {
     ++status_.searched;
     cv::Mat grey;
     cv::cvtColor(frame.picture, grey, cv::COLOR_BGR2GRAY);
@@ -104,10 +118,7 @@ void Registration::place(CameraFrame& frame) {
     }
     if (is_keyframe) lesson_ = Lesson{recorded, grey, std::move(fitting), is_newest};
   }
-  if (status_.is_correcting) {
-    frame.state.world_from_camera = recorded.world_from_camera * common_.recorded_from_mounted * track.rest;
-    registered_from_recorded_ = frame.state.world_from_camera * recorded.world_from_camera.inverse();
-  }
+  give(frame, recorded.world_from_camera, track.rest);
   (is_newest ? newest_ : earlier_) = track;
 }
 

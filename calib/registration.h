@@ -42,12 +42,13 @@ class Registration {
   /// Both must outlive it.
   Registration(const PolygonModel& model, const RayCaster& rays, const RegistrationTolerances& tolerances = {});
 
-  /// Corrects the frame's pose and camera by what frames before it taught, and learns from it: place() and learn().
+  /// Corrects the frame's pose and camera by what it and frames before it teach: place() and learn(), and once more
+  /// where that taught something.
   void correct(CameraFrame& frame);
-  /// Corrects the frame's pose and camera. Frames in the order they are extracted; those captured before others that
-  /// were given already (late ones, history) do not disturb what later ones are corrected by. Another camera model
-  /// (size, lens) than the last one's begins afresh. Some milliseconds on the CPU; next to nothing, three times out of
-  /// four, while nothing is corrected.
+  /// Corrects the frame's pose and camera by what frames before it taught. Frames in the order they are extracted;
+  /// those captured before others that were given already (late ones, history) do not disturb what later ones are
+  /// corrected by. Another camera model (size, lens) than the last one's begins afresh. Some milliseconds on the CPU;
+  /// next to nothing, three times out of four, where the record was found to fit.
   void place(CameraFrame& frame);
   /// Learns from the frame placed last, for later ones: now and then it takes longer than place(), some tens of
   /// milliseconds.
@@ -86,6 +87,7 @@ class Registration {
   [[nodiscard]] std::vector<Sighting> find_landmarks(const CameraFrame& frame, const cv::Mat& grey, const Track& track);
   [[nodiscard]] Pose fit_picture(const CameraFrame& frame, const std::vector<Sighting>& sightings,
                                  const Pose& last_rest) const;
+  void give(CameraFrame& frame, const Pose& recorded, const Pose& rest);
   void fit();
   void add_keyframe(const Lesson& lesson, Pose& rest);
   void add_landmarks(const CameraFrame& frame, const cv::Mat& grey, const std::shared_ptr<Keyframe>& keyframe);

@@ -196,12 +196,13 @@ TEST(RegisteredSource, CorrectsAsRegistrationDoes) {
     ASSERT_TRUE(frame);
     IncomingFrame expected = walk.picture(i);
     if (expected.frame.state.world_from_camera != frame->frame.state.world_from_camera) ++corrected;
-    registration.correct(expected.frame);
+    registration.place(expected.frame);
     EXPECT_EQ(frame->index, static_cast<std::size_t>(i));
     EXPECT_EQ(frame->frame.state.world_from_camera, expected.frame.state.world_from_camera) << i;
     EXPECT_EQ(frame->frame.camera.focal_length, expected.frame.camera.focal_length) << i;
     EXPECT_EQ(registered.registered_camera()->focal_length, expected.frame.camera.focal_length) << i;
     EXPECT_EQ(registered.camera_model(0)->focal_length, small_camera().focal_length) << "stays as it is known without";
+    registration.learn();
   }
   EXPECT_GT(corrected, 15);
   EXPECT_TRUE(registered.registration().is_correcting);
