@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "foreview/viewer/gap_filler.h"
 #include "foreview/viewer/model_buffers.h"
 #include "foreview/viewer/render_target.h"
 #include "foreview/viewer/spotlight.h"
@@ -22,7 +23,16 @@ constexpr GLuint kSpotlightPartsBinding = 4;
 constexpr GLuint kExposureBinding = 0, kOverlayBinding = 1;  // of uniform buffers
 constexpr GLuint kPagesUnit = 0, kSpotlightUnit = 1, kCaptureTimesUnit = 3;
 constexpr std::int64_t kMostMilliseconds = 2'000'000'000;
+constexpr float kKnownBehind = 32.0F / 255.0F;  ///< view_known.glsl: where there is no surface, nothing is seen behind
 constexpr glm::vec3 kLineColour{0.25F, 1.0F, 0.35F};
+
+/// Backdrop polygons are the last ones.
+std::uint32_t first_backdrop(const PolygonModel& model) {
+  const auto& polygons = model.polygons();
+  const auto first =
+      std::find_if(polygons.begin(), polygons.end(), [](const Polygon& polygon) { return polygon.is_backdrop; });
+  return static_cast<std::uint32_t>(first - polygons.begin());
+}
 
 /// view_overlays.glsl's uniform block (std140).
 struct OverlayBlock {
@@ -46,6 +56,7 @@ struct PredictedView::State {
   GlProgram surface_program, depth_program, edge_program;
   std::array<std::array<GlProgram, 2>, 2> polygon_programs;  ///< by whether fast, and whether with overlays
   std::optional<Spotlight> spotlight;
+  std::optional<GapFiller> gap_filler;
   AntialiasedTarget target;
   SurfaceTarget surface_target;
 
@@ -73,6 +84,7 @@ struct PredictedView::State {
       const std::string defines =
           std::string(fast ? "#define FAST 1\n" : "") + (overlays ? "#define OVERLAYS 1\n" : "");
       program = make_program("view_polygons.vert.glsl", "view_polygons.frag.glsl", defines.c_str());
+      glProgramUniform1ui(program.id(), 0, first_backdrop(store.model()));
     }
     return program;
   }
@@ -96,9 +108,9 @@ struct PredictedView::State {
     glBindSampler(kPagesUnit, sampler.id());
   }
 
-  static void clear(bool colour) {
+  static void clear(bool colour, float alpha = 1) {
     glClearDepth(0.0);
-    glClearColor(0, 0, 0, 1);
+    glClearColor(0, 0, 0, alpha);
     glClear(GL_DEPTH_BUFFER_BIT | (colour ? GL_COLOR_BUFFER_BIT : 0U));
   }
 
@@ -119,7 +131,7 @@ struct PredictedView::State {
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glUseProgram(depth_program.id());
     model.draw_triangles();
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   }
 
   /// Before begin(): draws the spotlight's depth where its picture is a new one.
@@ -163,7 +175,10 @@ struct PredictedView::State {
     const bool sorted = style.textures && style.quality == ViewQuality::fast;
     if (sorted) model.sort(world_from_camera, world_from_part);
     begin(framebuffer, viewport, flip);
-    clear(style.textures);
+    // Alpha tells the gap filler what is known; nobody else needs it.
+    const bool fills_gaps = style.fills_gaps();
+    clear(style.textures, fills_gaps ? kKnownBehind : 1);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, fills_gaps ? GL_TRUE : GL_FALSE);
     if (style.cull_back_faces) glEnable(GL_CULL_FACE);
     if (style.textures) {
       const GlProgram& program = polygon_program(style);
@@ -180,7 +195,11 @@ struct PredictedView::State {
     if (style.textures && spotlight && style.spotlight != nullptr) {
       spotlight->draw_frustum(fitted, world_from_camera, style.near_plane, flip);
     }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     end();
+    if (!fills_gaps) return;
+    if (!gap_filler) gap_filler.emplace();
+    gap_filler->fill(framebuffer, viewport.first_x(), viewport.end_x(), viewport.y, viewport.height);
   }
 
   void draw_surface(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,

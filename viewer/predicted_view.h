@@ -19,6 +19,10 @@ struct ViewStyle {
   bool holes_pink = false;  ///< filled texels and never-seen polygons in pink (the dissertation's figures)
   bool wireframe = false;   ///< polygon edges over the view, hidden ones left out, without the backdrop's
   bool textures = true;     ///< false: only the wireframe, over what is in the framebuffer
+  /// What no picture has shown, and cracks in the model, take the colours around them (GapFiller). Not where polygons'
+  /// edges or overlays are drawn, which show what is known, and in full quality only: in software it takes as long as a
+  /// fast frame.
+  bool fill_gaps = true;
   /// Fast: fewer taps, nearest polygons first. Meant for a framebuffer with one sample a pixel.
   ViewQuality quality = ViewQuality::full;
   bool cull_back_faces = false;  ///< so that one can look into a room from outside
@@ -34,6 +38,9 @@ struct ViewStyle {
   const CameraModel* spotlight_camera = nullptr;
   [[nodiscard]] bool colours_surfaces() const {
     return holes_pink || never_seen || age || density || polygon || spotlight != nullptr;
+  }
+  [[nodiscard]] bool fills_gaps() const {
+    return fill_gaps && quality == ViewQuality::full && textures && !wireframe && !colours_surfaces();
   }
 };
 

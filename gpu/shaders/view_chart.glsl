@@ -17,16 +17,16 @@ vec2 clamp_nan_safe(vec2 t, vec2 lower, vec2 upper) {
   return vec2(t.x >= lower.x ? min(t.x, upper.x) : lower.x, t.y >= lower.y ? min(t.y, upper.y) : lower.y);
 }
 
-vec3 chart_tap(Chart chart, vec2 t, float level) {
+vec4 chart_tap(Chart chart, vec2 t, float level) {
   float half_texel = 0.5 * exp2(level);
   t = clamp_nan_safe(t, vec2(0.5), chart.valid - 0.5);
   t = max(min(t, chart.size - half_texel), vec2(half_texel));
-  return textureLod(pages, vec3((chart.origin + t) / vec2(textureSize(pages, 0).xy), chart.page), level).rgb;
+  return textureLod(pages, vec3((chart.origin + t) / vec2(textureSize(pages, 0).xy), chart.page), level);
 }
 
-// Mean colour of the pixel's footprint, the parallelogram of the two derivatives: trilinear taps along the longer axis
+// Mean colour, and share of what was observed, of the pixel's footprint, the parallelogram of the two derivatives: trilinear taps along the longer axis
 // of its ellipse, each as wide as the shorter one, so that surfaces seen at grazing angles stay sharp across.
-vec3 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
+vec4 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
   Chart chart = charts[polygon];
   texel_per_x = clamp_nan_safe(texel_per_x, vec2(-1e6), vec2(1e6));
   texel_per_y = clamp_nan_safe(texel_per_y, vec2(-1e6), vec2(1e6));
@@ -53,10 +53,10 @@ vec3 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
   }
   float fine = floor(level);
   float coarse_weight = level - fine;
-  vec3 sum = vec3(0.0);
+  vec4 sum = vec4(0.0);
   for (float i = 0.5; i < taps; i += 1.0) {
     vec2 at = t + axis * (i / taps - 0.5);
-    vec3 colour = chart_tap(chart, at, fine);
+    vec4 colour = chart_tap(chart, at, fine);
     if (coarse_weight > 0.0) colour = mix(colour, chart_tap(chart, at, fine + 1.0), coarse_weight);
     sum += colour;
   }
@@ -65,7 +65,7 @@ vec3 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
 
 // One bilinear tap of the level that fits the footprint's mean width. In software the whole colour takes three fifths of
 // the time that two taps along the footprint's axis take.
-vec3 chart_colour_fast(Chart chart, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
+vec4 chart_colour_fast(Chart chart, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
   float width_squared = 0.5 * (dot(texel_per_x, texel_per_x) + dot(texel_per_y, texel_per_y));
   vec2 rim = max(min(t, chart.valid - t), vec2(kGutter));
   float fitting = 2.0 * min(rim.x, rim.y);

@@ -5,6 +5,7 @@
 #include "capture_times.glsl"
 #include "exposure.glsl"
 #include "view_chart.glsl"
+#include "view_known.glsl"
 
 layout(std430, binding = 2) readonly buffer PolygonStates { vec4 polygon_states[]; };  // mean colour, seen
 
@@ -22,7 +23,8 @@ layout(location = 1) out float surface_inverse_z;
 layout(location = 2) out uint surface_provenance;  // 2 observed, 1 filled, 0 never seen
 layout(location = 3) out int surface_captured;     // when: capture_times.glsl
 #else
-layout(location = 0) out vec4 colour;
+layout(location = 0) uniform uint first_backdrop;  // polygons from this one on
+layout(location = 0) out vec4 colour;              // alpha: view_known.glsl
 #endif
 
 #ifdef OVERLAYS
@@ -43,7 +45,7 @@ vec4 own_state() {
 #endif
 }
 
-vec3 own_colour(vec2 texel_per_x, vec2 texel_per_y) {
+vec4 own_colour(vec2 texel_per_x, vec2 texel_per_y) {
 #ifdef FAST
   Chart chart = Chart(chart_block.xy, chart_block.zw, chart_inside.xy, chart_inside.z, 0.0);
   return chart_colour_fast(chart, chart_texel, texel_per_x, texel_per_y);
@@ -66,8 +68,11 @@ void main() {
   surface_provenance = !textured ? 0u : chart_is_observed(polygon_index, chart_texel) ? 2u : 1u;
 #else
   vec3 rgb;
+  float known = gl_FrontFacing ? (polygon_index < first_backdrop ? kKnownNever : 0.0) : kKnownBehind;
   if (textured) {
-    rgb = exposed(own_colour(texel_per_x, texel_per_y), shown_gain.rgb);
+    vec4 own = own_colour(texel_per_x, texel_per_y);
+    rgb = exposed(own.rgb, shown_gain.rgb);
+    known = known_of(own.a, polygon_index >= first_backdrop);
   } else {
     vec3 mean_colour = exposed(state.rgb, shown_gain.rgb);
     rgb = gl_FrontFacing ? mean_colour : back_face_colour(mean_colour);
@@ -75,6 +80,6 @@ void main() {
 #ifdef OVERLAYS
   rgb = with_overlays(rgb, textured, state.a, texel_per_x, texel_per_y);
 #endif
-  colour = vec4(rgb, 1.0);
+  colour = vec4(rgb, known);
 #endif
 }
