@@ -64,7 +64,9 @@ class InstantEvaluator {
     const Timestamp delayed_stamp = own.pictures[score.delayed_picture].stamp;
     score.age = (state.stamp - delayed_stamp).seconds();
 
-    const cv::Mat predicted = replayer_.view().render(camera, state);
+    ViewStyle style;
+    style.gaps = gaps_to_fill(camera, recorded_camera);
+    const cv::Mat predicted = replayer_.view().render(camera, state, style);
     const cv::Mat delayed = replayer_.undistorted_picture(score.delayed_picture);
     const cv::Mat rotation = warp_by_rotation(delayed, recorded_camera, *own.world_from_camera.at(delayed_stamp),
                                               recorded_camera, recorded->world_from_camera);

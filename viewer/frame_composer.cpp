@@ -80,6 +80,7 @@ void FrameComposer::draw_predicted(const FrameInput& input, const ViewChoice& ch
   const CameraModel camera = input.camera_or(camera_);
   const Overlays& overlays = choice.overlays;
   ViewStyle style;
+  style.gaps = gaps_to_fill(camera, camera_);
   style.quality = choice.quality;
   style.near_plane = near_plane_;
   // A room seen from outside would be hidden by its own walls.

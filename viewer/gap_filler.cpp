@@ -51,7 +51,7 @@ void GapFiller::resize(int width, int height) {
   }
 }
 
-void GapFiller::fill(GLuint framebuffer, int first_x, int end_x, int y, int height) {
+void GapFiller::fill(GLuint framebuffer, int first_x, int end_x, int y, int height, bool unseen) {
   if (end_x <= first_x || height < 1) return;
   resize(end_x - first_x, height);
   glBlitNamedFramebuffer(framebuffer, into_view_.id(), first_x, y, end_x, y + height, 0, 0, width_, height_,
@@ -82,6 +82,7 @@ void GapFiller::fill(GLuint framebuffer, int first_x, int end_x, int y, int heig
   glBindTextureUnit(2, levels_.front().filled.id());
   glBindTextureUnit(3, levels_[crack_level(height, levels_.size())].pulled_depth.id());
   glProgramUniform2i(finish_.id(), 0, first_x, y);
+  glProgramUniform1i(finish_.id(), 1, unseen ? 1 : 0);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(first_x, y, width_, height_);
   glUseProgram(finish_.id());

@@ -23,8 +23,9 @@ class GapFiller {
 
   /// Of a framebuffer, these columns (from `first_x` up to, not with, `end_x`) and rows. Its colour is RGBA8, its depth
   /// reversed 32F, with any number of samples: of each pixel their mean decides, and all get what is filled. Leaves
-  /// alpha at 1, and no state behind.
-  void fill(GLuint framebuffer, int first_x, int end_x, int y, int height);
+  /// alpha at 1, and no state behind. `unseen`: also
+  /// what was never seen of polygons, else cracks alone.
+  void fill(GLuint framebuffer, int first_x, int end_x, int y, int height, bool unseen);
 
  private:
   void resize(int width, int height);

@@ -199,7 +199,8 @@ struct PredictedView::State {
     end();
     if (!fills_gaps) return;
     if (!gap_filler) gap_filler.emplace();
-    gap_filler->fill(framebuffer, viewport.first_x(), viewport.end_x(), viewport.y, viewport.height);
+    gap_filler->fill(framebuffer, viewport.first_x(), viewport.end_x(), viewport.y, viewport.height,
+                     style.gaps == GapFilling::all);
   }
 
   void draw_surface(const CameraModel& camera, const Pose& world_from_camera, std::span<const Pose> world_from_part,
@@ -223,6 +224,13 @@ struct PredictedView::State {
     return {surface_target.read_polygons(), surface_target.read_inverse_z(), surface_target.read_provenance()};
   }
 };
+
+GapFilling gaps_to_fill(const CameraModel& registered, const CameraModel& recorded) {
+  // What fits is left as it is, to the bit.
+  const bool is_corrected =
+      registered.focal_length != recorded.focal_length || registered.principal_point != recorded.principal_point;
+  return is_corrected ? GapFilling::all : GapFilling::cracks;
+}
 
 PredictedView::PredictedView(const TextureStore& store) : state_(std::make_unique<State>(store)) {}
 PredictedView::~PredictedView() = default;

@@ -14,15 +14,25 @@ namespace foreview {
 
 class SurfaceTarget;
 
+/// Which gaps of a view take the colours around them in the picture (GapFiller).
+enum class GapFilling {
+  none,
+  cracks,  ///< of the model: where what lies behind everything shows through
+  all,     ///< also what no picture has shown
+};
+/// Where registration has found the record to be off, silhouettes and charts' borders are pixels off what pictures
+/// show, and what lies around in the picture is the better guess for all gaps (kitchen: rms 17 instead of 22/255);
+/// where the model fits, a chart's own fill keeps its outline (workcell: 15 instead of 20).
+[[nodiscard]] GapFilling gaps_to_fill(const CameraModel& registered, const CameraModel& recorded);
+
 /// How PredictedView draws.
 struct ViewStyle {
   bool holes_pink = false;  ///< filled texels and never-seen polygons in pink (the dissertation's figures)
   bool wireframe = false;   ///< polygon edges over the view, hidden ones left out, without the backdrop's
   bool textures = true;     ///< false: only the wireframe, over what is in the framebuffer
-  /// What no picture has shown, and cracks in the model, take the colours around them (GapFiller). Not where polygons'
-  /// edges or overlays are drawn, which show what is known, and in full quality only: in software it takes as long as a
-  /// fast frame.
-  bool fill_gaps = true;
+  /// Not where polygons' edges or overlays are drawn, which show what is known, and in full quality only: in software
+  /// it takes as long as a fast frame.
+  GapFilling gaps = GapFilling::cracks;
   /// Fast: fewer taps, nearest polygons first. Meant for a framebuffer with one sample a pixel.
   ViewQuality quality = ViewQuality::full;
   bool cull_back_faces = false;  ///< so that one can look into a room from outside
@@ -40,7 +50,7 @@ struct ViewStyle {
     return holes_pink || never_seen || age || density || polygon || spotlight != nullptr;
   }
   [[nodiscard]] bool fills_gaps() const {
-    return fill_gaps && quality == ViewQuality::full && textures && !wireframe && !colours_surfaces();
+    return gaps != GapFilling::none && quality == ViewQuality::full && textures && !wireframe && !colours_surfaces();
   }
 };
 

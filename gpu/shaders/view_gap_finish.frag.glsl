@@ -5,19 +5,20 @@ layout(binding = 1) uniform sampler2D view_depth;  // reversed: goes as 1/z
 layout(binding = 2) uniform sampler2D filled;      // bilinear, half the view's size
 layout(binding = 3) uniform sampler2D around;      // bilinear, pulled_depth: pixels as wide as a crack may be
 layout(location = 0) uniform ivec2 origin;         // of the view, in the framebuffer
+layout(location = 1) uniform bool unseen;      // polygons' gaps are filled, too
 layout(location = 0) out vec4 colour;
 
 // How much is known of polygons around, where a crack begins and where it certainly is one; beside a straight edge it is
 // half of them. Where nothing was seen behind it, there is less to lose.
-const vec2 kCrack = vec2(0.4, 0.6), kUnseenCrack = vec2(0.3, 0.6);
+const vec2 kCrack = vec2(0.35, 0.55), kUnseenCrack = vec2(0.2, 0.5);
 // Parts of 1/z by which a hole, or a polygon that was never seen, may be off what would fill it, and by which it
 // certainly is another surface: then its own chart's fill is the better guess.
-const vec2 kOtherThanHole = vec2(0.06, 0.12), kOtherThanNeverSeen = vec2(0.3, 0.6);
+const vec2 kOtherThanHole = vec2(0.1, 0.2), kOtherThanNeverSeen = vec2(0.3, 0.6);
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - origin;
   vec4 own = texelFetch(view, at, 0);
-  if (own.a >= 1.0) discard;
+  if (own.a >= 1.0 || (!unseen && !is_behind(own.a))) discard;
   vec2 place = vec2(at) + 0.5;
   vec4 around_it = textureLod(filled, 0.5 * place / vec2(textureSize(filled, 0)), 0.0);
   float known = textureLod(around, place / vec2(textureSize(view, 0)), 0.0).g;

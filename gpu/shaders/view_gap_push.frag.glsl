@@ -7,7 +7,7 @@ layout(location = 0) uniform bool has_coarser;
 layout(location = 0) out vec4 filled;  // colour, depth
 
 // A little that is known near by is better than much that is far off.
-const float kEnough = 1.0 / 32.0;
+const float kEnough = 1.0 / 64.0;
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);

@@ -63,9 +63,9 @@ RawMesh uprights(const std::vector<Upright>& places) {
 
 class GapFillerTest : public GlTest {
  protected:
-  static cv::Mat render(PaintedScene& scene, bool fill_gaps) {
+  static cv::Mat render(PaintedScene& scene, GapFilling gaps) {
     ViewStyle style;
-    style.fill_gaps = fill_gaps;
+    style.gaps = gaps;
     return scene.view().render(camera(), scene.seen_from({}), style);
   }
 };
@@ -75,9 +75,10 @@ TEST_F(GapFillerTest, ACrackGivesWayAndAnOpeningStays) {
   PaintedScene scene(uprights({{-1.015, 2, 2}, {0.615, 1.2, 2}}), charts());
   for (std::size_t i = 0; i < 2; ++i) scene.paint(i, kRed);
   scene.upload();
-  const cv::Mat plain = render(scene, false), filled = render(scene, true);
+  const cv::Mat plain = render(scene, GapFilling::none), filled = render(scene, GapFilling::all);
   EXPECT_EQ(pixel(plain, 160, 120), kBlack) << "else there is nothing to fill";
   EXPECT_LE(distance(pixel(filled, 160, 120), kRed), 8);
+  EXPECT_LE(distance(pixel(render(scene, GapFilling::cracks), 160, 120), kRed), 8);
   EXPECT_GT(pixel(filled, 158, 120).r, pixel(plain, 158, 120).r + 30) << "half a crack";
   EXPECT_EQ(pixel(filled, 310, 120), kBlack) << "it is wide";
   EXPECT_EQ(pixel(filled, 100, 120), pixel(plain, 100, 120));
@@ -88,8 +89,9 @@ TEST_F(GapFillerTest, WhatWasNeverSeenTakesTheColoursAroundItWhereTheSurfaceGoes
   for (std::size_t i = 0; i < 5; ++i) scene.paint(i, i < 2 ? kRed : kGreen);
   scene.set_state(2, kBlue, 0.5F);
   scene.upload();
-  const cv::Mat plain = render(scene, false), filled = render(scene, true);
+  const cv::Mat plain = render(scene, GapFilling::none), filled = render(scene, GapFilling::all);
   ASSERT_LE(distance(pixel(plain, 160, 120), kBlue), 1);
+  EXPECT_LE(distance(pixel(render(scene, GapFilling::cracks), 160, 120), kBlue), 1) << "it is no crack";
   EXPECT_LE(pixel(filled, 160, 120).b, 60) << "its own colour is a guess from its neighbours' means";
   EXPECT_GT(pixel(filled, 130, 120).r, 150) << "beside the red one";
   EXPECT_GT(pixel(filled, 190, 120).g, 150) << "beside the green one";
@@ -102,7 +104,7 @@ TEST_F(GapFillerTest, WhatWasNeverSeenBesideASilhouetteStays) {
   scene.paint(1, kRed);
   scene.set_state(0, kBlue, 0.5F);
   scene.upload();
-  const cv::Mat filled = render(scene, true);
+  const cv::Mat filled = render(scene, GapFilling::all);
   ASSERT_LE(distance(pixel(filled, 165, 120), kRed), 1) << "the one in front begins at 160";
   for (const int x : {20, 100, 150, 156}) EXPECT_LE(distance(pixel(filled, x, 120), kBlue), 2) << x;
 }
@@ -117,8 +119,8 @@ TEST_F(GapFillerTest, AHoleOfAChartTakesTheColoursAroundIt) {
   scene.upload();
   const glm::dvec2 middle = chart.part_from_texel(glm::dvec2(chart.origin) + 100.0);
   const int x = 160 + static_cast<int>(100 * middle.x), y = 120 + static_cast<int>(100 * middle.y);
-  ASSERT_LE(distance(pixel(render(scene, false), x, y), kBlue), 1);
-  EXPECT_LE(distance(pixel(render(scene, true), x, y), kRed), 2);
+  ASSERT_LE(distance(pixel(render(scene, GapFilling::none), x, y), kBlue), 1);
+  EXPECT_LE(distance(pixel(render(scene, GapFilling::all), x, y), kRed), 2);
 }
 
 TEST_F(GapFillerTest, OverlaysAndFastFramesShowWhatIsKnown) {
@@ -128,6 +130,7 @@ TEST_F(GapFillerTest, OverlaysAndFastFramesShowWhatIsKnown) {
   scene.upload();
   const PredictedState state = scene.seen_from({});
   ViewStyle fast, wireframe, age;
+  for (ViewStyle* style : {&fast, &wireframe, &age}) style->gaps = GapFilling::all;
   fast.quality = ViewQuality::fast;
   wireframe.wireframe = true;
   age.age = true;
@@ -146,7 +149,9 @@ TEST_F(GapFillerTest, StaysInItsViewportAndLeavesAlphaAtOne) {
   constexpr std::array<GLfloat, 4> kWhite{1, 1, 1, 1};
   glClearNamedFramebufferfv(target.framebuffer(), GL_COLOR, 0, kWhite.data());
   // Two thirds of a viewport that is the framebuffer's middle.
-  scene.view().draw(camera(), scene.seen_from({}), {}, target.framebuffer(), {80, 60, 160, 120, 0, 100}, false);
+  ViewStyle style;
+  style.gaps = GapFilling::all;
+  scene.view().draw(camera(), scene.seen_from({}), style, target.framebuffer(), {80, 60, 160, 120, 0, 100}, false);
   cv::Mat picture(kHeight, kWidth, CV_8UC4);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, target.resolve());
   glReadPixels(0, 0, kWidth, kHeight, GL_BGRA, GL_UNSIGNED_BYTE, picture.data);

@@ -47,7 +47,7 @@ class PredictedViewTest : public GlTest {
   /// As the textures are: what is not known stays as it is.
   static ViewStyle as_known() {
     ViewStyle style;
-    style.fill_gaps = false;
+    style.gaps = GapFilling::none;
     return style;
   }
 };
