@@ -24,8 +24,9 @@ vec4 chart_tap(Chart chart, vec2 t, float level) {
   return textureLod(pages, vec3((chart.origin + t) / vec2(textureSize(pages, 0).xy), chart.page), level);
 }
 
-// Mean colour, and share of what was observed, of the pixel's footprint, the parallelogram of the two derivatives: trilinear taps along the longer axis
-// of its ellipse, each as wide as the shorter one, so that surfaces seen at grazing angles stay sharp across.
+// Mean colour, and share of what was observed, of the pixel's footprint, the parallelogram of the two derivatives:
+// trilinear taps along the longer axis of its ellipse, each as wide as the shorter one, so that surfaces seen at grazing
+// angles stay sharp across.
 vec4 chart_colour(uint polygon, vec2 t, vec2 texel_per_x, vec2 texel_per_y) {
   Chart chart = charts[polygon];
   texel_per_x = clamp_nan_safe(texel_per_x, vec2(-1e6), vec2(1e6));

@@ -5,7 +5,7 @@ layout(binding = 1) uniform sampler2D view_depth;  // reversed: goes as 1/z
 layout(binding = 2) uniform sampler2D filled;      // bilinear, half the view's size
 layout(binding = 3) uniform sampler2D around;      // bilinear, pulled_depth: pixels as wide as a crack may be
 layout(location = 0) uniform ivec2 origin;         // of the view, in the framebuffer
-layout(location = 1) uniform bool unseen;      // polygons' gaps are filled, too
+layout(location = 1) uniform bool unseen;           // polygons' gaps are filled, too
 layout(location = 0) out vec4 colour;
 
 // How much is known of polygons around, where a crack begins and where it certainly is one; beside a straight edge it is

@@ -34,8 +34,8 @@ void main() {
   vec2 lower = (vec2(first) + 0.25) * scale, upper = (vec2(first) + 1.75) * scale;
   pulled = 0.25 * (textureLod(finer, lower, 0.0) + textureLod(finer, vec2(upper.x, lower.y), 0.0) +
                    textureLod(finer, vec2(lower.x, upper.y), 0.0) + textureLod(finer, upper, 0.0));
-  pulled_depth = 0.25 * (textureLod(finer_depth, lower, 0.0).rg + textureLod(finer_depth, vec2(upper.x, lower.y), 0.0).rg +
-                         textureLod(finer_depth, vec2(lower.x, upper.y), 0.0).rg +
-                         textureLod(finer_depth, upper, 0.0).rg);
+  pulled_depth =
+      0.25 * (textureLod(finer_depth, lower, 0.0) + textureLod(finer_depth, vec2(upper.x, lower.y), 0.0) +
+              textureLod(finer_depth, vec2(lower.x, upper.y), 0.0) + textureLod(finer_depth, upper, 0.0)).rg;
 #endif
 }

@@ -1,8 +1,6 @@
 #include "foreview/viewer/gap_filler.h"
 
-#include <algorithm>
 #include <array>
-#include <glm/common.hpp>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
@@ -14,6 +12,7 @@
 namespace foreview {
 namespace {
 
+using test::distance;
 using test::facing_rectangle;
 using test::PaintedScene;
 using test::pinhole;
@@ -22,11 +21,6 @@ using test::Rgb;
 
 constexpr Rgb kRed{200, 30, 20}, kGreen{10, 220, 40}, kBlue{15, 25, 210}, kBlack{0, 0, 0};
 constexpr int kWidth = 320, kHeight = 240;  // cracks are up to some 8 pixels wide
-
-double distance(const Rgb& a, const Rgb& b) {
-  const Rgb d = glm::abs(a - b);
-  return std::max({d.r, d.g, d.b});
-}
 
 ChartOptions charts() {
   ChartOptions options;

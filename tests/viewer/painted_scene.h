@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <functional>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -114,6 +116,12 @@ inline CameraModel pinhole(int width, int height, double focal_length) {
   camera.focal_length = {focal_length, focal_length};
   camera.principal_point = {0.5 * width, 0.5 * height};
   return camera;
+}
+
+/// Of the channel that differs most.
+inline double distance(const Rgb& a, const Rgb& b) {
+  const Rgb d = glm::abs(a - b);
+  return std::max({d.r, d.g, d.b});
 }
 
 inline Rgb pixel(const cv::Mat& picture, int x, int y) {

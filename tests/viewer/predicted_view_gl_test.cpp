@@ -11,6 +11,7 @@
 namespace foreview {
 namespace {
 
+using test::distance;
 using test::facing_rectangle;
 using test::PaintedScene;
 using test::pinhole;
@@ -18,11 +19,6 @@ using test::pixel;
 using test::Rgb;
 
 constexpr Rgb kRed{200, 30, 20}, kGreen{10, 220, 40}, kBlue{15, 25, 210}, kPink{255, 105, 181};
-
-double distance(const Rgb& a, const Rgb& b) {
-  const Rgb d = glm::abs(a - b);
-  return std::max({d.r, d.g, d.b});
-}
 
 ChartOptions density(double texels_per_metre, int max_texels = 256) {
   ChartOptions options;
